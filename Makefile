@@ -14,7 +14,7 @@ help:
 	@echo "make test       all checks and tests"
 	@echo "make test-full  what takes long too, and the peers that pip can install, half an hour"
 	@echo "make test-fresh both commands on machines that have nothing (as root; docs/fresh-machines.md)"
-	@echo "make calibrate  predictions against 20,000 robots that really fail (docs/calibration.md)"
+	@echo "make calibrate  predictions against 20,000 robots that fail and 1,000 that wear: of wear not honest yet (docs/calibration.md)"
 	@echo "make fuzz       400,000 damaged recordings, ten minutes to an hour (docs/guides/columns.md)"
 	@echo "make prognostics  when real wear ends, beside SurPyval, two minutes (docs/theory/wear.md)"
 	@echo "make new-user  from a wheel to the first report of four robots, five minutes (docs/guides/your-robot.md)"
@@ -26,7 +26,7 @@ setup:
 	@$(BIN)/python hatch_build.py || true
 
 demo: setup
-	@$(BIN)/robophm demo --output demo-output
+	@$(BIN)/robophm demo --to demo-output
 
 demo-ros: setup peers
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[sim]"
@@ -61,7 +61,7 @@ fuzz: setup
 	@$(BIN)/python -m tests.transports.recordings.columns.fuzz
 
 calibrate: setup
-	@$(BIN)/python -m benchmarks.honesty
+	@$(BIN)/python -m benchmarks.honesty; chance=$$?; $(BIN)/python -m benchmarks.worn_honesty && exit $$chance
 
 prognostics: setup
 	@$(BIN)/python -m benchmarks.prognostics --peers

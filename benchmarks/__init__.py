@@ -21,6 +21,7 @@ ROOMS = (
     "blocks",
     "monte_carlo",
     "health",
+    "wear",
     "fleets",
     "life",
     "hazard",

@@ -16,7 +16,7 @@ import numpy as np
 
 from robophm.design.file import parse
 from robophm.learning.rates.failure_log import Seen
-from robophm.learning.rates.fleet import Ratio
+from robophm.learning.rates.fleet import StatedRateRatio
 from robophm.learning.rates.rate_update import learn
 
 ROBOTS = 10
@@ -34,7 +34,7 @@ _STATED = 1e-3
 _DESIGN = parse(f"{{schema_version: 1, name: R, components: {{part: {{rate: {_STATED} /h}}}}}}")
 
 
-def _holds(ratio: Ratio, truth: float) -> bool:
+def _holds(ratio: StatedRateRatio, truth: float) -> bool:
     return ratio.low <= truth <= ratio.high
 
 

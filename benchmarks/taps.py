@@ -10,7 +10,7 @@ from pathlib import Path
 from robophm.core.signal import CLOCK, Sample
 from robophm.health.report import HealthReport
 from robophm.monitoring.monitor import Monitor
-from robophm.transports.signals.sink import JudgedTask, ReportSink
+from robophm.transports.signals.report_sink import JudgedTask, ReportSink
 from robophm.transports.signals.source import LiveItem, LiveSource, TopicInfo
 
 

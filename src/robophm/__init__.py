@@ -3,7 +3,9 @@
 >>> import robophm
 >>> robot = robophm.load("robot.yaml")                                  # doctest: +SKIP
 >>> health = robophm.replay(robot, "drive.mcap")                        # doctest: +SKIP
->>> health.reliability(hours=100), health.remaining_life().median       # doctest: +SKIP
+>>> health.survival_of_next(100), health.remaining_life().median        # doctest: +SKIP
+
+docs/guides/python.md has an example of each function.
 """
 
 from __future__ import annotations
@@ -22,6 +24,17 @@ if TYPE_CHECKING:
     from robophm.drafting.drafting import new
     from robophm.health.fleet import Fleet
     from robophm.health.report import HealthReport
+    from robophm.interface.bindings import bind
+    from robophm.interface.field import learn
+    from robophm.interface.handbook import models, rate
+    from robophm.interface.importance import importance
+    from robophm.interface.lists import import_bom
+    from robophm.interface.lives import fit
+    from robophm.interface.outlook import predict
+    from robophm.interface.plots import plot
+    from robophm.interface.tables import frame, rows
+    from robophm.interface.upkeep import maintain
+    from robophm.interface.wear import wear
     from robophm.life import life_distribution
     from robophm.monitoring.monitor import Monitor
     from robophm.monitoring.replay import replay
@@ -44,13 +57,26 @@ __all__ = [
     "Structure",
     "Task",
     "Unit",
+    "bind",
+    "fit",
+    "frame",
+    "import_bom",
+    "importance",
+    "learn",
     "life_distribution",
     "load",
     "load_plan",
+    "maintain",
+    "models",
     "new",
     "open_source",
     "open_store",
+    "plot",
+    "predict",
+    "rate",
     "replay",
+    "rows",
+    "wear",
 ]
 
 # Where each public name lives: it is imported when it is first asked for, so that `import robophm` costs nothing.
@@ -66,6 +92,17 @@ _HOMES = {
     "drafting.drafting": ("new",),
     "health.fleet": ("Fleet",),
     "health.report": ("HealthReport",),
+    "interface.bindings": ("bind",),
+    "interface.field": ("learn",),
+    "interface.handbook": ("models", "rate"),
+    "interface.importance": ("importance",),
+    "interface.lists": ("import_bom",),
+    "interface.lives": ("fit",),
+    "interface.outlook": ("predict",),
+    "interface.plots": ("plot",),
+    "interface.tables": ("frame", "rows"),
+    "interface.upkeep": ("maintain",),
+    "interface.wear": ("wear",),
     "life": ("life_distribution",),
     "monitoring.monitor": ("Monitor",),
     "monitoring.replay": ("replay",),
@@ -82,7 +119,9 @@ def __getattr__(name: str) -> Any:
             value = getattr(import_module(f"robophm.{home}"), name)
             globals()[name] = value
             return value
-    raise AttributeError(f"module 'robophm' has no attribute {name!r}")
+    from robophm.core.errors import nearest
+
+    raise AttributeError(f"module 'robophm' has no attribute {name!r}{nearest(name, __all__)}")
 
 
 def __dir__() -> list[str]:

@@ -6,33 +6,13 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit
+from robophm.blocks.diagram import Block
 from robophm.blocks.reliability import Structure
+
+from ..structures import draw, works
 
 WHOLE = 1 << 129  # probabilities are integers out of this many: exact, down to 1e-36
 DIGITS = 1e-12
-
-
-def draw(rng: random.Random, names: list[str], leaves: int) -> Block:
-    """A random diagram whose units are drawn from the names: with few names, parts are shared."""
-    if leaves == 1:
-        return Unit(rng.choice(names))
-    parts = rng.randint(2, min(leaves, 5))
-    cuts = sorted(rng.sample(range(1, leaves), parts - 1))
-    inner = [draw(rng, names, b - a) for a, b in zip([0, *cuts], [*cuts, leaves], strict=True)]
-    if rng.random() < 0.15:
-        inner.append(rng.choice(inner))  # a whole block in two places
-    kind = rng.choice([Series, Parallel, KOutOfN])
-    return KOutOfN(rng.randint(1, len(inner)), *inner) if kind is KOutOfN else kind(*inner)
-
-
-def works(block: Block, state: dict[str, np.ndarray]) -> np.ndarray:
-    """The structure function φ, straight from what the blocks mean."""
-    if isinstance(block, Unit):
-        return state[block.name]
-    inner = np.array([works(each, state) for each in block.blocks])
-    k = block.k if isinstance(block, KOutOfN) else 1 if isinstance(block, Parallel) else len(inner)
-    return inner.sum(axis=0) >= k
 
 
 def chances(rng: random.Random, n: int) -> list[int]:

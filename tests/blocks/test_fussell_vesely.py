@@ -3,20 +3,17 @@
 import itertools
 import math
 import random
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-from test_brute_force import draw, works
 
 from robophm.blocks.diagram import Block, KOutOfN, Network, Parallel, Series, Unit
 from robophm.blocks.fussell_vesely import fussell_vesely
 from robophm.blocks.importance import importance
 from robophm.blocks.reliability import Structure
 from robophm.core.errors import StructureError
+
+from ..structures import draw, works
 
 
 def by_states(block: Block, names: tuple[str, ...], chances: np.ndarray) -> np.ndarray:

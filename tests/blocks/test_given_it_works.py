@@ -4,20 +4,17 @@ Each unit has failed before, fails meanwhile, or survives.
 """
 
 import random
-import sys
 from itertools import product
-from pathlib import Path
 
 import mpmath as mp
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-sys.path.insert(0, str(Path(__file__).parent))
-from test_brute_force import draw, works
-
 from robophm.blocks.diagram import Block
 from robophm.blocks.given_it_works import StructureGivenItWorks
+
+from ..structures import draw, works
 
 TIMES = 3
 DIGITS = 1e-12

@@ -3,22 +3,19 @@
 import itertools
 import math
 import random
-import sys
 from fractions import Fraction
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from numpy.testing import assert_allclose
 
-sys.path.insert(0, str(Path(__file__).parent))
-from test_brute_force import draw, works
-from test_identities import chances, diagrams, dual, every, seeds, stages
-
 from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit
 from robophm.blocks.importance import barlow_proschan, importance
 from robophm.blocks.reliability import Structure
+
+from ..structures import draw, works
+from .test_identities import chances, diagrams, dual, every, seeds, stages
 
 
 def failing(block: Block, names: tuple[str, ...], units: list[list[Fraction]]) -> tuple[Fraction, Fraction]:

@@ -1,51 +1,16 @@
-"""Parts merged because they stand in series wherever they are drawn, and parts that nothing can replace."""
+"""Parts merged because they stand in series wherever they are drawn."""
 
 from __future__ import annotations
 
-import random
-from collections.abc import Sequence
-from itertools import product
-
 import pytest
 
-from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit
-from robophm.blocks.merging import merge_series, single_points_of_failure
+from robophm.blocks.diagram import Block, Parallel, Series, Unit
+from robophm.blocks.merging import merge_series
+
+from ..structures import works
+from .random_diagrams import drawn, random_diagrams, states
 
 A, B, C, D = Unit("a"), Unit("b"), Unit("c"), Unit("d")
-
-
-def works(block: Block, state: dict[str, bool]) -> bool:
-    if isinstance(block, Unit):
-        return state[block.name]
-    inner = [works(each, state) for each in block.blocks]
-    k = block.k if isinstance(block, KOutOfN) else 1 if isinstance(block, Parallel) else len(inner)
-    return sum(inner) >= k
-
-
-def draw(rng: random.Random, names: Sequence[str], leaves: int) -> Block:
-    """A random diagram with many series in it."""
-    if leaves == 1:
-        return Unit(rng.choice(names))
-    cut = rng.randint(1, leaves - 1)
-    inner = [draw(rng, names, cut), draw(rng, names, leaves - cut)]
-    if rng.random() < 0.2:
-        inner.append(rng.choice(inner))
-    kind = rng.choice([Series, Series, Parallel, KOutOfN])
-    return KOutOfN(rng.randint(1, len(inner)), *inner) if kind is KOutOfN else kind(*inner)
-
-
-def drawn(block: Block) -> set[str]:
-    return {block.name} if isinstance(block, Unit) else set().union(*map(drawn, block.blocks))
-
-
-def states(names: Sequence[str]) -> list[dict[str, bool]]:
-    return [dict(zip(names, state, strict=True)) for state in product([True, False], repeat=len(names))]
-
-
-def random_diagrams(seed: int) -> list[Block]:
-    rng = random.Random(seed)
-    names = [f"u{i}" for i in range(rng.randint(1, 7))]
-    return [draw(rng, names, rng.randint(1, 12)) for _ in range(rng.randint(1, 3))]
 
 
 @pytest.mark.parametrize("seed", range(150))
@@ -61,15 +26,6 @@ def test_merged_diagrams_work_in_the_same_states(seed: int) -> None:
         of_merged = {first: all(state[name] for name in names) for first, names in stands_for.items()}
         for one, other in zip(diagrams, merged, strict=True):
             assert works(one, state) == works(other, of_merged)
-
-
-@pytest.mark.parametrize("seed", range(150))
-def test_single_points_of_failure(seed: int) -> None:
-    """A part by whose failure alone one of the diagrams fails; the others all work."""
-    diagrams = random_diagrams(10_000 + seed)
-    every = sorted(set().union(*map(drawn, diagrams)))
-    exact = {name for name in every if not all(works(block, {one: one != name for one in every}) for block in diagrams)}
-    assert single_points_of_failure(*diagrams) == exact
 
 
 def test_what_is_in_series_everywhere_is_one() -> None:

@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from robophm.blocks.diagram import KOutOfN, Link, Network, Parallel, Series, Unit, units
-from robophm.blocks.merging import merge_series, single_points_of_failure
+from robophm.blocks.merging import merge_series
 from robophm.blocks.phases import Phases
 from robophm.blocks.reliability import Structure
+from robophm.blocks.single_points import single_points_of_failure
 from robophm.core.errors import StructureError
 
 BRIDGE = Network("s", "t", [Link("s", "a", "1"), Link("s", "b", "2"), Link("a", "b", "3"),

@@ -16,31 +16,11 @@ from robophm.blocks.phases import Phases
 from robophm.blocks.reliability import Structure
 from robophm.core.errors import StructureError
 
+from ..structures import draw, works
+
 Needs = list[tuple[int, Block]]
 DIGITS = 1e-12
 A, B, C, D = Unit("a"), Unit("b"), Unit("c"), Unit("d")
-
-
-def draw(rng: random.Random, names: Sequence[str], leaves: int) -> Block:
-    """A random diagram whose units are drawn from the names: with few names, parts are shared."""
-    if leaves == 1:
-        return Unit(rng.choice(names))
-    parts = rng.randint(2, min(leaves, 4))
-    cuts = sorted(rng.sample(range(1, leaves), parts - 1))
-    inner = [draw(rng, names, b - a) for a, b in zip([0, *cuts], [*cuts, leaves], strict=True)]
-    if rng.random() < 0.15:
-        inner.append(rng.choice(inner))  # a whole block in two places
-    kind = rng.choice([Series, Parallel, KOutOfN])
-    return KOutOfN(rng.randint(1, len(inner)), *inner) if kind is KOutOfN else kind(*inner)
-
-
-def works(block: Block, state: dict[str, np.ndarray]) -> np.ndarray:
-    """The structure function φ, straight from what the blocks mean."""
-    if isinstance(block, Unit):
-        return state[block.name]
-    inner = np.array([works(each, state) for each in block.blocks])
-    k = block.k if isinstance(block, KOutOfN) else 1 if isinstance(block, Parallel) else len(inner)
-    return inner.sum(axis=0) >= k
 
 
 def intervals(hazards: Iterable[float]) -> list[mpf]:
@@ -119,7 +99,7 @@ def test_random_missions(seed: int, kind: str) -> None:
     count = rng.randint(1, 4)
     size = rng.randint(1, {1: 6, 2: 5, 3: 4, 4: 4}[count])
     names = [f"u{i}" for i in range(size)]
-    blocks = [draw(rng, names, rng.randint(1, 2 * size)) for _ in range(rng.randint(1, 4))]
+    blocks = [draw(rng, names, rng.randint(1, 2 * size), most=4) for _ in range(rng.randint(1, 4))]
     wanted = [(rng.randint(1, count), rng.choice(blocks)) for _ in range(rng.randint(1, 5))]
     match rng.choice(["nothing", "now", "wanted now", "later"]):
         case "nothing":
@@ -182,7 +162,7 @@ def test_a_needed_series_inside_a_parallel_of_another_function() -> None:
 def test_many_columns_are_as_each_alone(seed: int, at_once: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("robophm.blocks.phases.AT_ONCE", at_once)
     rng = random.Random(5000 + seed)
-    blocks = [draw(rng, "abcd", 6) for _ in range(3)]
+    blocks = [draw(rng, "abcd", 6, most=4) for _ in range(3)]
     phases = Phases([(0, block) for block in blocks], list(enumerate(blocks, 1)))
     values = np.random.default_rng(seed).exponential(size=(4, len(phases.names), 2, 3))
     together = phases.transition(values[0], values[1:])

@@ -12,6 +12,8 @@ from robophm.blocks.diagram import KOutOfN, Parallel, Series, Unit
 from robophm.blocks.reliability import Structure
 from robophm.core.errors import StructureError
 
+from ..structures import works
+
 
 def blocks(names):
     """Diagrams in which units may be drawn in several places."""
@@ -23,14 +25,6 @@ def blocks(names):
         return several.map(lambda b: Series(*b)) | several.map(lambda b: Parallel(*b)) | counted
 
     return st.recursive(unit, wired, max_leaves=12)
-
-
-def works(block, state):
-    if isinstance(block, Unit):
-        return state[block.name]
-    count = sum(works(inner, state) for inner in block.blocks)
-    need = len(block.blocks) if isinstance(block, Series) else 1 if isinstance(block, Parallel) else block.k
-    return count >= need
 
 
 def brute_birnbaum(block, names, p):

@@ -50,7 +50,7 @@ def test_fmeca_as_table_csv_and_page(inside, robot, tmp_path):
 
 
 def test_diagnosis(inside, robot):
-    words = ("diagnose", robot, "sensors.csv", "--alarm", "vibration", "--add", 1, "--after", 3000)
+    words = ("diagnose", robot, "sensors.csv", "--alarm", "vibration", "--add", 1, "--at", 3000)
     text = inside(*words).stdout
     assert "Nothing fitted sees: battery, lidar, camera" in text
     said = json.loads(inside(*words, "--json").stdout)

@@ -51,23 +51,23 @@ def test_few_are_listed_and_the_rest_is_stated(run, robot):
 
 
 def test_a_robots_tree_is_written_and_says_the_same(run, robot, tmp_path):
-    first = json.loads(run("fault-tree", robot, "--time", 500, "--to", "tree.xml", "--json").stdout)
-    second = json.loads(run("fault-tree", "tree.xml", "--time", 500, "--json").stdout)
+    first = json.loads(run("fault-tree", robot, "--at", 500, "--to", "tree.xml", "--json").stdout)
+    second = json.loads(run("fault-tree", "tree.xml", "--at", 500, "--json").stdout)
     assert second["probability"] == pytest.approx(first["probability"], rel=1e-12)
     assert second["cut_sets"]["count"] == first["cut_sets"]["count"] == 3
     assert '<exponential><float value="1e-05"/>' in (tmp_path / "tree.xml").read_text()
-    shown = json.loads(run("show", robot, "--hours", 500, "--json").stdout)
+    shown = json.loads(run("show", robot, "--at", 500, "--json").stdout)
     assert first["probability"] == pytest.approx(shown["modules"][0]["unreliability"], rel=1e-12)
 
 
 def test_a_robots_tree_becomes_a_design_again(run, robot, tmp_path):
     """Design, model, design: the same number, that of the closed form."""
-    run("fault-tree", robot, "--time", 500, "--to", "tree.xml")
-    done = run("fault-tree", "tree.xml", "--time", 500, "--to", "again.yaml")
+    run("fault-tree", robot, "--at", 500, "--to", "tree.xml")
+    done = run("fault-tree", "tree.xml", "--at", 500, "--to", "again.yaml")
     assert (done.returncode, done.stderr) == (0, "")
     assert "Written: again.yaml" in done.stdout
     ((_, shown),) = (
-        (one["path"], one) for one in json.loads(run("show", "again.yaml", "--hours", 500, "--json").stdout)["modules"]
+        (one["path"], one) for one in json.loads(run("show", "again.yaml", "--at", 500, "--json").stdout)["modules"]
     )
     lamp = -math.expm1(-((math.gamma(1.5) * 5e-6 * 500) ** 2))  # Weibull of mean 200,000 h
     expected = 1 - (1 - failed(10, 500)) * (1 - failed(50, 500) ** 2) * (1 - lamp)
@@ -98,10 +98,10 @@ def test_mistakes_are_one_line(run, robot, tmp_path):
         ),
         (("fault-tree", "half.xml", "--to", "again.yaml"), "half.xml: 'a' has a probability and no rate"),
         (
-            ("fault-tree", "half.xml", "--time", 9, "--to", robot),
+            ("fault-tree", "half.xml", "--at", 9, "--to", robot),
             "robot.yaml: exists already; expected the name of a new",
         ),
-        (("cutsets", robot, "--at", "inf"), "expected a finite number"),
+        (("cutsets", robot, "--at", "inf"), "--at inf: expected hours of at least 0"),
     ):
         done = run(*words)
         assert done.returncode == 3
@@ -136,22 +136,22 @@ components:
 common_causes: {heat: {of: [motor], beta: 0.1}}
 diagram: {series: [motor, {standby: {of: [A, B]}}]}
 """)
-    said = json.loads(run("fault-tree", "robot.yaml", "--time", 1000, "--to", "tree.xml", "--json").stdout)
+    said = json.loads(run("fault-tree", "robot.yaml", "--at", 1000, "--to", "tree.xml", "--json").stdout)
     sets = {tuple(one["parts"]): one["probability"] for one in said["cut_sets"]["listed"]}
     assert sets == {
         ("heat",): pytest.approx(failed(5, 1000), rel=1e-12),
         ("motor[1]", "motor[2]"): pytest.approx(failed(45, 1000) ** 2, rel=1e-12),
         ("standby of A, B",): pytest.approx(1 - math.exp(-0.02) * 1.02, rel=1e-10),
     }
-    again = json.loads(run("fault-tree", "tree.xml", "--time", 1000, "--json").stdout)
+    again = json.loads(run("fault-tree", "tree.xml", "--at", 1000, "--json").stdout)
     assert again["probability"] == pytest.approx(said["probability"], rel=1e-12)
 
 
 def test_an_estimate_where_nothing_else_is_wanted(run, robot):
     """A million samples of the tree of a robot, and of the model written of it: about what is exact."""
-    exact = json.loads(run("fault-tree", robot, "--time", 2e4, "--to", "tree.xml", "--json").stdout)["probability"]
+    exact = json.loads(run("fault-tree", robot, "--at", 2e4, "--to", "tree.xml", "--json").stdout)["probability"]
     for tree in (robot, "tree.xml"):
-        said = json.loads(run("fault-tree", tree, "--time", 2e4, "--monte-carlo", 1_000_000, "--json").stdout)
+        said = json.loads(run("fault-tree", tree, "--at", 2e4, "--monte-carlo", 1_000_000, "--json").stdout)
         assert said["samples"] == 1_000_000
         assert 0 < said["high"] - said["low"] < 0.005
         assert said["probability"] == pytest.approx(exact, abs=5 * math.sqrt(exact * (1 - exact) / 1e6))

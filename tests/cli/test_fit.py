@@ -121,7 +121,7 @@ def test_no_figure_from_far_outside_the_data(inside, tmp_path):
     (tmp_path / "few.csv").write_text("time [h],censored,count\n0.1,,3\n3,,1\n20,,1\n90,,1\n1000,yes,5000\n")
     done = inside("fit", "few.csv", "--distribution", "weibull", "--report", "few.html")
     assert "beyond 100,000" in done.stdout
-    assert "of which these data tell nothing; --some-never-fail" in done.stdout.replace("\n", " ")
+    assert "of which these data tell nothing; --some-never-fail says" in done.stdout.replace("\n", " ")
     assert "Not for a design" in done.stdout
     table = (tmp_path / "few.html").read_text()
     for text in (done.stdout.partition("probability plot")[0], table.partition("<svg")[0]):
@@ -157,7 +157,7 @@ def test_mistakes_are_one_line(inside, lives, tmp_path):
         ((lives, "--to", "robot.yaml"), "expected both"),
         ((lives, "--to", "robot.yaml", "--part", "pmp"), "no part 'pmp'; did you mean 'pump'"),
         ((lives, "--use", "temperature=40 degC"), "states no stress"),
-        (("grit.csv",), "at which grit will parts be used? expected --use 'grit=…'"),
+        (("grit.csv",), "at which grit will parts be used? expected --use STRESS=VALUE, or no such column"),
         (("typo.csv",), "column 'temprature' is not known; did you mean 'temperature'?"),
         (("event.csv",), "event.csv:3: event: 'gone'; expected failed or worked or left"),
         (("since.csv",), "since.csv:3: since: 9 is not before the part was last seen"),

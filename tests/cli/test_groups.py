@@ -30,7 +30,7 @@ diagram: {standby: {of: [pump], active: 2, dormancy: 0.1}}
 
 def test_a_standby_pair_is_drawn_and_promised(inside: Callable[..., Any], tmp_path: Path) -> None:
     (tmp_path / "robot.yaml").write_text(DESIGN)
-    shown = inside("show", "robot.yaml", "--hours", "50")
+    shown = inside("show", "robot.yaml", "--at", "50")
     assert shown.returncode == 0
     assert "(1/2 standby)" in shown.stdout
     assert "90.98 %" in shown.stdout  # exp(−0.5)·1.5
@@ -65,7 +65,7 @@ def test_chance_knows_what_fails_together(inside: Callable[..., Any], tmp_path: 
     text = "schema_version: 1\nname: R\ncomponents: {A: {rate: 1e-3 /h}, B: {rate: 1e-3 /h}}\n"
     text += "common_causes: {flood: {of: [A, B], beta: 0.1}}\ndiagram: {parallel: [A, B]}\n"
     (tmp_path / "pair.yaml").write_text(text)
-    found = json.loads(inside("show", "pair.yaml", "--hours", "100", "--monte-carlo", "100000", "--json").stdout)
+    found = json.loads(inside("show", "pair.yaml", "--at", "100", "--monte-carlo", "100000", "--json").stdout)
     expected = math.exp(-0.01) * (1 - (1 - math.exp(-0.09)) ** 2)
     error = math.sqrt(expected * (1 - expected) / 100_000)
     assert found["probability"] == pytest.approx(expected, abs=5 * error)

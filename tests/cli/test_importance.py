@@ -40,11 +40,11 @@ def robot(tmp_path):
 
 
 def test_a_robot_as_a_table_and_as_json(inside, robot):
-    text = inside("importance", robot, "--after", "100 h").stdout
+    text = inside("importance", robot, "--within", "100 h").stdout
     assert "Pair, new and as designed: fails within 100 h of operation with " in text
     assert "bearing" in text.splitlines()[2]
     assert "What to replace first. As it is: median remaining life" in text
-    said = json.loads(inside("importance", robot, "--after", "100 h", "--function", "move", "--json").stdout)
+    said = json.loads(inside("importance", robot, "--within", "100 h", "--function", "move", "--json").stdout)
     found = said["importance"]["sensor_based"]
     assert (said["system"], found["hours"], found["count"]) == ("Pair: move", 100.0, 3)
     units = {one["unit"]: one for one in found["units"]}
@@ -61,7 +61,7 @@ def test_a_robot_as_a_table_and_as_json(inside, robot):
 def test_a_bound_is_said_to_be_one_and_nothing_beside_it_says_otherwise(inside, tmp_path):
     known = "schema_version: 1\nname: Two\ncomponents:\n  motor: {rate: 1e-4 /h}\n"
     (tmp_path / "robot.yaml").write_text(f"{known}  board: {{rate: unknown}}\n")
-    text = inside("importance", "robot.yaml", "--after", "1000 h").stdout
+    text = inside("importance", "robot.yaml", "--within", "1000 h").stdout
     assert f"with at least {100 * -math.expm1(-0.1):.3f} %" in text  # whatever the board's rate is
     assert "what is stated is as if" not in text
     assert "what is not said to be at least or at most is as if it never fails, and may be more or less" in text
@@ -104,8 +104,8 @@ def test_mistakes_are_one_line(inside, robot, tmp_path):
     (tmp_path / "not.xml").write_text(TREE.replace('<gate name="two"/>', '<not><gate name="two"/></not>'))
     for words, says in (
         (("importance", robot, "--by", "birnbum"), "did you mean 'birnbaum'?"),
-        (("importance", robot, "--after", "0 h"), "--after 0 h: expected above zero"),
-        (("importance", robot, "--after", "3 m"), "does not measure what 'h' does"),
+        (("importance", robot, "--within", "0 h"), "--within 0 h: expected hours above 0"),
+        (("importance", robot, "--within", "3 m"), "does not measure what 'h' does"),
         (("importance", robot, "--function", "mve"), "no function 'mve'; did you mean 'move'?"),
         (("importance", robot, "--failed", "moter[1]"), "did you mean 'motor[1]'?"),
         (("importance", "not.xml"), "importance would be negative"),

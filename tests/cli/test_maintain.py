@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 
 from robophm.core.signal import SECOND
@@ -101,3 +102,40 @@ def test_redundancy(inside, tmp_path):
     assert cycles[1]["availability"] == pytest.approx(1 - (1 - up) ** 2, abs=2e-3)
     assert cycles[2]["availability"] == pytest.approx(up**2, abs=5e-3)
     assert cycles[1]["cost"] < 0.3 * cycles[2]["cost"]
+
+
+WORN = """
+schema_version: 1
+name: cart
+usage: {operating: 0.5}
+components:
+  belt:
+    mtbf: 60 h
+    life: {distribution: weibull, shape: 3}
+    wear: {topic: /belt, field: slack, every: 60 s, threshold: 9}
+  pump: {mtbf: 90 h}
+"""
+
+
+def test_a_part_that_is_inspected(inside, tmp_path):
+    """Wear by steps towards 9: looking is cheaper than an age; a part whose wear nobody reads is said."""
+    (tmp_path / "robot.yaml").write_text(WORN)
+    rng = np.random.default_rng(5)
+    slack = 1 + np.cumsum(rng.gamma(0.05, 0.4, 2 * 120))
+    lines = ["# robophm journal 1\n", "# signal /belt.slack\n"]
+    lines += [f"{(1_700_000_040 + 30 * i) * SECOND} {float(value)!r} /belt.slack\n" for i, value in enumerate(slack)]
+    (tmp_path / "run.journal").write_text("".join(lines))
+    inside("replay", "robot.yaml", "run.journal", "--store", "past.db")
+    (tmp_path / "costs.csv").write_text("part,preventive,corrective,inspection\nbelt,30,400,0.5\npump,10,50,1\n")
+    words = ("maintain", "robot.yaml", "costs.csv", "--store", "past.db", "--repetitions", 20)
+    said = json.loads(inside(*words, "--json").stdout)["inspected"]
+    belt = said["belt"]
+    assert belt["readings"] > 100
+    assert 1 < belt["level"] < 9
+    assert belt["cost_per_hour"] < belt["by_age"] <= belt["never"]
+    assert said["pump"] == {"why": "the design says no signal of its wear"}
+    text = inside(*words).stdout
+    assert "Replaced by the wear that is found" in text
+    assert "pump: when to replace it by inspection cannot be said" in text
+    without = json.loads(inside("maintain", "robot.yaml", "costs.csv", "--repetitions", 20, "--json").stdout)
+    assert without["inspected"]["belt"] == {"why": "no readings of its wear; expected a store that has some"}

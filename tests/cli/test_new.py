@@ -125,7 +125,7 @@ def test_on_a_terminal_it_asks_at_most_seven_questions_and_takes_changes(tmp_pat
     answers = ["12", "indors", "indoor", "", "", "", "", "", "computer=jetson", "imu=pizza", ""]
     code, said = on_a_terminal(["new", "robot.yaml", "--urdf", URDF], tmp_path, answers)
     assert code == 0, said
-    assert said.count("? [") - said.count("warning: where 'indors'") == 7
+    assert said.count("? [") - said.count("warning: 'indors'") == 7
     assert "did you mean 'indoor'" in said
     assert "warning: part 'pizza'" in said
     text = (tmp_path / "robot.yaml").read_text()

@@ -230,7 +230,7 @@ def test_a_store_is_opened_by_its_kind_and_place(inside, design, recording, tmp_
     assert json.loads(inside("predict", design, *store, "--json").stdout)["clocks"] == health["clocks"]
     served = inside("service", design, "Power/Battery Control Board/Thermistor", *store, "--replaced")
     assert served.returncode == OK
-    assert inside("report", design, *store, "--output", "page.html").returncode == OK
+    assert inside("report", design, *store, "--to", "page.html").returncode == OK
     assert inside("learn", design, theirs).returncode == OK
     repaired = inside("store", "repair", design, *store)
     assert (repaired.returncode, "no clock jumped" in repaired.stdout) == (OK, True)
@@ -240,7 +240,7 @@ def test_a_store_is_opened_by_its_kind_and_place(inside, design, recording, tmp_
 def test_what_is_no_store_is_said_before_anything_is_written(inside, design, tmp_path):
     assert (
         "page.html: is read or kept by this"
-        in inside("report", design, "--store", "sqlite:page.html", "--output", "page.html").stderr
+        in inside("report", design, "--store", "sqlite:page.html", "--to", "page.html").stderr
     )
     assert "expected the path of a store" in inside("predict", design, "--store", "").stderr
     assert inside("predict", design, "--store", f"sqlite:{design}").stderr.startswith(f"error: {design}: ")

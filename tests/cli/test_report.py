@@ -16,7 +16,7 @@ import robophm
 def test_the_same_design_and_past_give_the_same_bytes(inside, design, recording, tmp_path):
     assert inside("replay", design, recording, "--store", "past.db").returncode in (0, 1)
     for name in ("one.html", "other.html"):
-        done = inside("report", design, "--store", "past.db", "--output", name)
+        done = inside("report", design, "--store", "past.db", "--to", name)
         assert done.returncode in (0, 1), done.stderr
     page = (tmp_path / "one.html").read_bytes()
     assert page == (tmp_path / "other.html").read_bytes()
@@ -33,12 +33,12 @@ def test_a_page_that_is_there_is_replaced_only_on_purpose(inside, design, tmp_pa
     assert "exists" in refused.stderr
     assert (tmp_path / "health.html").read_text() == "mine"
     assert inside("report", design, "--force").returncode in (0, 1)
-    assert inside("report", design, "--output", "health.pdf").returncode == 3
+    assert inside("report", design, "--to", "health.pdf").returncode == 3
 
 
 def test_it_says_which_design_and_which_data_it_is_made_of(inside, run, design, recording, tmp_path):
     assert inside("replay", design, recording, "--store", "past.db", "--report", "replayed.html").returncode in (0, 1)
-    for options in (("--output", "design.html"), ("--store", "past.db", "--output", "lived.html")):
+    for options in (("--to", "design.html"), ("--store", "past.db", "--to", "lived.html")):
         assert inside("report", design, *options).returncode in (0, 1)
     replayed, alone, lived = (hashes(tmp_path / f"{name}.html") for name in ("replayed", "design", "lived"))
     with closing(sqlite3.connect(tmp_path / "past.db")) as store, store:
@@ -61,7 +61,7 @@ def test_a_pdf_is_the_same_bytes_in_another_process(inside, run, tmp_path):
     design = tmp_path / "robot.yaml"
     design.write_text("schema_version: 1\nname: R\ncomponents: {motor: {rate: 8 FPMH}, fan: {rate: 2 FPMH}}\n")
     assert inside("report", design, "--pdf").returncode in (0, 1)
-    other = run("report", design, "--pdf", "--output", "other.pdf")
+    other = run("report", design, "--pdf", "--to", "other.pdf")
     assert other.returncode in (0, 1), other.stderr
     made = (tmp_path / "health.pdf").read_bytes()
     assert made[:5] == b"%PDF-"

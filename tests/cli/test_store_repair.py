@@ -11,26 +11,21 @@ from robophm.design.file import load
 from robophm.monitoring.monitor import Monitor
 from robophm.stores.sqlite import SqliteStore
 
-START, IN_2038 = 1_795_000_020 * SECOND, 2_147_483_000 * SECOND
-T = "/motor.temperature"
-DESIGN = """
-schema_version: 1
-name: R
-signals: {temperature: {topic: /motor, field: temperature, unit: degC, max_age: 10 s, range: [-40, 125]}}
-components:
-  motor: {rate: 0.01 /h, acceleration: {model: q10, reference_temperature: 25 degC}}
-  seal:
-    life: {distribution: weibull, scale: 40 h, shape: 2.5}
-    scaling: hazard
-    acceleration: {model: q10, reference_temperature: 25 degC}
-  shelf: {life: {distribution: weibull, scale: 200000 h, shape: 2}, clock: calendar}
-"""
+from ..monitoring.designs import IN_2038, MEASURED, MOTOR, WARM, written
+from ..monitoring.designs import MEASURED_AS as T
+
+START = 1_795_000_020 * SECOND
+COMPONENTS = {
+    **MOTOR,
+    "seal": {"life": {"distribution": "weibull", "scale": "40 h", "shape": 2.5}, "scaling": "hazard", **WARM},
+    "shelf": {"life": {"distribution": "weibull", "scale": "200000 h", "shape": 2}, "clock": "calendar"},
+}
 
 
 @pytest.fixture
 def poisoned(tmp_path):
     """Ten hours in whole periods of a minute, then 20 s in 2038, each sample taken as it came, as it once was."""
-    (tmp_path / "robot.yaml").write_text(DESIGN)
+    (tmp_path / "robot.yaml").write_text(written(**MEASURED, components=COMPONENTS))
     robot = load(tmp_path / "robot.yaml")
     monitor = Monitor(robot)
     for second in range(0, 36_000, 2):
@@ -41,7 +36,7 @@ def poisoned(tmp_path):
         monitor._take(Sample(IN_2038 + second * SECOND, T, 60.0))
     with SqliteStore(tmp_path / "past.db") as store:
         reports = [{"time": START + 60 * SECOND}, {"time": IN_2038}]
-        store.save("R", monitor.ledger.to_json(), None, reports)
+        store.save("R", monitor.ledger.to_json(), (), reports)
     return robot, good
 
 

@@ -75,7 +75,7 @@ def test_every_command_counts_what_is_of_unknown_rate(inside, cart):
     assert "fails within 1,000 h of operation with at least" in inside("importance", cart).stdout
     assert "1 failure mode of unknown rate" in inside("fmeca", cart).stdout
     assert "3 parts of unknown rate" in inside("cutsets", cart).stdout
-    assert inside("report", cart, "--output", "health.html").returncode == OK
+    assert inside("report", cart, "--to", "health.html").returncode == OK
 
 
 @pytest.mark.parametrize(
@@ -92,7 +92,7 @@ def test_what_would_take_it_for_zero_refuses(inside, cart, command, words):
 
 
 def test_a_report_of_unknown_parts_says_so(inside, cart, tmp_path):
-    assert inside("report", cart, "--output", "health.html").returncode == OK
+    assert inside("report", cart, "--to", "health.html").returncode == OK
     page = (tmp_path / "health.html").read_text()
     assert "rate unknown" in page
     assert "3 parts of unknown rate" in page

@@ -21,7 +21,7 @@ from robophm.health.mission import Completion
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.task_history import judge_on_the_way
 from robophm.stores.sqlite import SqliteStore
-from robophm.transports.signals.sink import JudgedTask
+from robophm.transports.signals.report_sink import JudgedTask
 from robophm.transports.tasks import PlannedTask
 from robophm.transports.tasks.told import PlannedLeg
 
@@ -209,6 +209,6 @@ def test_tasks_of_a_recording_say_what_they_leave_out(wired: str, tmp_path: Path
 
 
 def test_the_page_says_it_of_the_span_too(inside: Run, wired: str, tmp_path: Path) -> None:
-    assert inside("report", "robot.yaml", "--store", "past.db", "--output", "health.html").returncode == 0
+    assert inside("report", "robot.yaml", "--store", "past.db", "--to", "health.html").returncode == 0
     said = r"median; at most 90 % between" if wired == "single" else r"median; 90 % between [^<]*, if it never fails"
     assert re.search(said, (tmp_path / "health.html").read_text())

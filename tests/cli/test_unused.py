@@ -38,9 +38,9 @@ PREDICTIONS = "model,id,predicted\n"
          "TASKS, --store, --failed, --working, --future, --function"),
         ("learn robot.yaml log.csv --force", "--force"),
         ("fmeca robot.yaml --force", "--force"),
-        ("diagnose robot.yaml sensors.csv --hours 5 --after 3 --function drive", "--hours, --after, --function"),
+        ("diagnose robot.yaml sensors.csv --within 5 --at 3 --function drive", "--within, --at, --function"),
         ("diagnose robot.yaml sensors.csv --alarm hot --quiet", "--quiet"),
-        ("diagnose robot.yaml sensors.csv --quiet --store past.db --after 3", "--after"),
+        ("diagnose robot.yaml sensors.csv --quiet --store past.db --at 3", "--at"),
         ("wear robot.yaml signal.csv --part Sensing/Camera --skip-missing", "--skip-missing"),
         ("serve robot.yaml --speed 2", "--speed"),
         ("watch robot.yaml --no-publish --frame arm", "--frame"),
@@ -64,15 +64,15 @@ def test_refused_by_name(inside, design, tmp_path, words, unused):
 @pytest.mark.parametrize(
     "words",
     [
-        "show robot.yaml --unit FIT --hours 10",
+        "show robot.yaml --unit FIT --at 10",
         "show robot.yaml --json --svg x.svg --unit FIT",
-        "show robot.yaml --monte-carlo 10 --seed 2 --hours 10",
+        "show robot.yaml --monte-carlo 10 --seed 2 --at 10",
         "rate general.constant --set rate=5FIT --unit FIT --explain",
         "fault-tree model.xml --order 2 --most 3",
         "fault-tree model.xml --monte-carlo 10 --seed 3",
         "importance model.xml --by raw --most 2",
-        "diagnose robot.yaml sensors.csv --alarm hot --hours 5 --after 3",
-        "diagnose robot.yaml sensors.csv --quiet --hours 5",
+        "diagnose robot.yaml sensors.csv --alarm hot --within 5 --at 3",
+        "diagnose robot.yaml sensors.csv --quiet --within 5",
     ],
 )
 def test_taken_where_it_is_used(inside, design, tmp_path, words):

@@ -1,6 +1,7 @@
 """robophm wear, run as a newcomer does."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -210,7 +211,7 @@ def test_mistakes_are_one_line(inside, robot, tmp_path):
         (("past.csv", *words), "past.csv: the first reading is at or past the threshold already"),
         (("at.csv", *words), "at.csv: the signal begins at its threshold, 0.7"),
         (("still.csv", *words), "still.csv: the signal is 1 all the time: no trend"),
-        (("load.csv", *words), "a column 'load' and --load"),
+        (("load.csv", *words), "a column 'load', and --load"),
     ):
         failed = inside("wear", robot, *some)
         assert failed.returncode == 3
@@ -387,16 +388,52 @@ def test_conditions_of_readings_and_to_come(inside, robot, tmp_path):
     (tmp_path / "warm.csv").write_text("time [h],value,temperature [degC]\n" + "\n".join(rows) + "\n")
     words = ("wear", robot, "warm.csv", "--part", "battery", "--threshold", 0.7)
     same, hotter = (
-        json.loads(inside(*words, *more, "--json").stdout)["signals"][0] for more in ((), ("--at", "temperature=60"))
+        json.loads(inside(*words, *more, "--json").stdout)["signals"][0] for more in ((), ("--use", "temperature=60"))
     )
     assert same["conditions_to_come"] == {"temperature": 40}
     factor = np.exp(0.7 / 8.617333e-5 * (1 / 313.15 - 1 / 333.15))
     assert same["remaining"]["median"] / hotter["remaining"]["median"] == pytest.approx(factor, rel=0.1)
-    assert "As it would be at temperature 60" in inside(*words, "--at", "temperature=60").stdout
+    assert "As it would be at temperature 60" in inside(*words, "--use", "temperature=60").stdout
     for at, said in (
         ("heat=3", "'heat' is no condition that is known to speed wear up; expected temperature"),
-        ("temperature", "--at temperature: expected a condition and a number, e.g. temperature=40"),
+        ("temperature", "--use temperature: expected a condition and a number, e.g. temperature=40"),
     ):
-        told = inside(*words, "--at", at)
+        told = inside(*words, "--use", at)
         assert told.returncode == 3
+        assert said in " ".join(told.stderr.split())
+
+
+def test_an_index_of_health_of_many_signals(inside, robot, tmp_path):
+    """Signals of which two show wear in the last sixty hours; from ten units that failed."""
+    rng = np.random.default_rng(1)
+
+    def rows(life, until, name=""):
+        t = np.arange(1.0, until)
+        worn = np.maximum(0.0, 1 - (life - t) / 60) ** 1.5
+        signals = (300 + 10 * worn, 5 - 2 * worn, 0 * t)
+        noisy = [one + scale * rng.standard_normal(len(t)) for one, scale in zip(signals, (1, 0.3, 1), strict=True)]
+        return [",".join([name, *(f"{x:.4f}" for x in row)][not name :]) for row in zip(t, *noisy, strict=True)]
+
+    lives = rng.integers(80, 200, 10).tolist()
+    failed = [row for k, life in enumerate(lives) for row in rows(life, life + 1, f"e{k}")]
+    (tmp_path / "failed.csv").write_text("unit,time [h],heat,flow,humidity\n" + "\n".join(failed) + "\n")
+    (tmp_path / "mine.csv").write_text("time [h],heat,flow,humidity\n" + "\n".join(rows(150, 126)) + "\n")
+    words = ("wear", robot, "mine.csv", "--part", "battery", "--index")
+    done = inside(*words, "--fleet", "failed.csv")
+    assert done.returncode == 0, done.stderr
+    assert "health index of 3 signals by 10 units that failed" in done.stdout
+    fails = re.search(r"Fails in \S+ h, 90 % between (\S+) and (\S+)", " ".join(done.stdout.split()))
+    assert fails
+    assert float(fails[1]) <= 25 <= float(fails[2])
+    for more, code, said in (
+        ((), 3, "from whom is an index of health learned? expected --fleet"),
+        (
+            ("--fleet", "failed.csv", "--settings", "heat,humidty"),
+            3,
+            "mine.csv: has no column 'humidty', expected one for each of --settings; did you mean 'humidity'?",
+        ),
+        (("--fleet", "failed.csv", "--threshold", 3), 2, "--threshold: not used for an index of health"),
+    ):
+        told = inside(*words, *more)
+        assert told.returncode == code
         assert said in " ".join(told.stderr.split())

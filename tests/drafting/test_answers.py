@@ -9,7 +9,6 @@ from robophm.drafting.answers import (
     asked,
     battery_called,
     check,
-    environment_of,
     questions,
     settled,
     share_of_day,
@@ -60,8 +59,6 @@ def test_answers_that_cannot_be_are_refused(key, said, says):
 
 
 def test_words_are_those_of_the_library():
-    assert environment_of("flying") == "ARW"
-    assert environment_of("GM") == "GM"
     assert battery_called("lead acid").name == "battery_lead_acid"
     assert battery_called("battery_lfp").name == "battery_lfp"
 
@@ -87,3 +84,26 @@ def test_what_is_needed_must_be_there():
 def test_nothing_at_all_is_no_robot():
     with pytest.raises(RobophmError, match="nothing tells of a part"):
         new(answers=Answers(battery="none", computer="none"))
+
+
+MOVES = """<robot name="m"><link name="base"><inertial><mass value="20"/></inertial></link>
+<link name="{link}"/><joint name="j" type="{type}"><parent link="base"/><child link="{link}"/></joint></robot>"""
+
+
+@pytest.mark.parametrize(
+    ("link", "type_", "symbol"),
+    [("wheel", "continuous", "GM"), ("thigh", "revolute", "GM"), ("forearm", "revolute", "GF"),
+     ("rotor", "continuous", "ARW")],
+)  # fmt: skip
+def test_what_moves_over_ground_is_ground_mobile_unless_somebody_says_else(tmp_path, link, type_, symbol):
+    """MIL-HDBK-217F Table 3-2: GM is on wheels or tracks or carried by hand, ARW a helicopter, GF does not move."""
+    urdf = tmp_path / "robot.urdf"
+    urdf.write_text(MOVES.format(link=link, type=type_))
+    assert f"environment: {symbol} " in new(urdf).text
+    indoors = new(urdf, answers=Answers(where="indoor"))
+    assert "environment: GB " in indoors.text
+    said = {"GM": "'mobile robot' (GM) is", "ARW": "'flying' (ARW) is"}.get(symbol)
+    assert len(indoors.doubts) == (said is not None)
+    assert all("where 'indoor' is GB" in doubt and said in doubt for doubt in indoors.doubts)
+    assert new(urdf, answers=Answers(where="GB")).doubts == ()
+    assert "environment: GM " in new(urdf, answers=Answers(where="Indoor-Robot")).text

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit
 from robophm.core.errors import RobophmError
 from robophm.design.file import parse
 from robophm.design.robot import Robot
@@ -22,6 +21,8 @@ from robophm.health.importance import Drawn, importances
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.monitoring.monitor import Monitor
+
+from ..structures import works
 
 
 def robot(components: dict[str, Any], **more: Any) -> Robot:
@@ -112,14 +113,6 @@ def draw(rng: random.Random, names: list[str], places: int) -> Any:
         inner.append(rng.choice(names))
         return {"k_of_n": {"k": 2, "of": inner}}
     return {rng.choice(["series", "parallel"]): inner}
-
-
-def works(block: Block, up: dict[str, bool]) -> bool:
-    if isinstance(block, Unit):
-        return up[block.name]
-    count = sum(works(inner, up) for inner in block.blocks)
-    k = {Series: len(block.blocks), Parallel: 1}.get(type(block)) or (block.k if isinstance(block, KOutOfN) else 0)
-    return count >= k
 
 
 @pytest.mark.parametrize("seed", range(8))

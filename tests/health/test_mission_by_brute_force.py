@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from robophm.blocks.diagram import Block, KOutOfN, Parallel, Unit
+from robophm.blocks.diagram import Block, Unit
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Leg, Task
 from robophm.health.exposure import ExposureIntegrator
@@ -21,6 +21,7 @@ from robophm.health.mission import completion, deciding_components
 from robophm.health.outlooks import outlooks
 from robophm.health.plant import Plant
 
+from ..structures import works as structure_function
 from .missions import exact, lived, robot, same
 
 
@@ -219,7 +220,7 @@ class Case:
 
         def hold(phase: int, function: str) -> np.ndarray:
             state = {unit: when > phase for unit, when in zip(units, fails_in, strict=True)}
-            return _works(diagrams[function], state)
+            return structure_function(diagrams[function], state)
 
         before = np.all([hold(0, function) for need in needs for function in need], axis=0)
         after = np.all([hold(k + 1, function) for k, need in enumerate(needs) for function in need], axis=0)
@@ -229,14 +230,6 @@ class Case:
 
 def _drawn(block: Block) -> set[str]:
     return {block.name} if isinstance(block, Unit) else set().union(*map(_drawn, block.blocks))
-
-
-def _works(block: Block, state: dict[str, np.ndarray]) -> np.ndarray:
-    if isinstance(block, Unit):
-        return state[block.name]
-    inner = np.array([_works(each, state) for each in block.blocks])
-    k = block.k if isinstance(block, KOutOfN) else 1 if isinstance(block, Parallel) else len(inner)
-    return inner.sum(axis=0) >= k
 
 
 @pytest.mark.parametrize("seed", range(120))

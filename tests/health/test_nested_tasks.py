@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from robophm.blocks.diagram import Block, KOutOfN, Parallel, Unit
 from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Leg, Task
@@ -19,6 +18,8 @@ from robophm.health.importance import Drawn, importances
 from robophm.health.mission import completion, deciding_components
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
+
+from ..structures import works
 
 RATE, AGE = 0.01, 40.0
 MOST = 7  # units, each of which fails in one of at most five stretches
@@ -63,14 +64,6 @@ def design(rng: random.Random) -> dict[str, Any]:
 def legs(rng: random.Random) -> list[Leg]:
     needs = [("drive", "carry"), ("carry",), ("drive",), ("look", "drive"), (), ("drive", "look", "carry")]
     return [Leg(rng.choice([0.5, 3.0, 20.0]), functions=rng.choice(needs)) for _ in range(rng.randint(1, 3))]
-
-
-def works(block: Block, state: dict[str, np.ndarray]) -> np.ndarray:
-    if isinstance(block, Unit):
-        return state[block.name]
-    inner = np.array([works(each, state) for each in block.blocks])
-    k = block.k if isinstance(block, KOutOfN) else 1 if isinstance(block, Parallel) else len(inner)
-    return inner.sum(axis=0) >= k
 
 
 def expected(robot: Robot, task: list[Leg]) -> tuple[mpf, mpf]:

@@ -131,7 +131,7 @@ def test_json_tells_it_all() -> None:
     found = report(design, FIRST, SECOND, ledger=lived(design, 2.0, 16), draws=500)
     told = json.loads(json.dumps(found.to_json(), allow_nan=False))
     assert set(told) == {
-        "schema_version", "robot", "tasks", "together", "uncertainty", "deciding", "threshold",
+        "schema_version", "robot", "tasks", "together", "uncertainty", "deciding", "threshold", "wear",
     }  # fmt: skip
     assert (told["schema_version"], told["robot"], told["threshold"]) == (SCHEMA_VERSION, "R", 0.9)
     assert [one["name"] for one in told["tasks"]] == ["fetch", "look"]

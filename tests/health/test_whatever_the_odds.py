@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from robophm.blocks.diagram import Block, KOutOfN, Parallel, Unit
 from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Leg, Task
@@ -29,6 +28,8 @@ from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.replacement import replacements
 from robophm.health.uncertainty import completion_uncertainty, life_uncertainty
+
+from ..structures import works
 
 RATES = {"a": 0.5, "b": 2.0, "c": 0.25, "d": 1.0, "x": 0.125}
 DIAGRAMS: dict[str, Any] = {
@@ -59,13 +60,6 @@ def robot(diagram: Any, lived: dict[str, float], monitored: str = "", **more: An
         for name in RATES if name in drawn
     }  # fmt: skip
     return parse(json.dumps({"schema_version": 1, "name": "R", "components": components, "diagram": diagram}))
-
-
-def works(block: Block, up: dict[str, bool]) -> bool:
-    if isinstance(block, Unit):
-        return up[block.name]
-    inner = [works(each, up) for each in block.blocks]
-    return sum(inner) >= (block.k if isinstance(block, KOutOfN) else 1 if isinstance(block, Parallel) else len(inner))
 
 
 class Brute:

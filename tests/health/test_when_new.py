@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from robophm.design.file import parse
-from robophm.health.by_chance import survival_by_chance
+from robophm.health.monte_carlo import survival_by_monte_carlo
 from robophm.health.outlooks import as_designed, nominal_outlook
 from robophm.health.plant import Plant
 from robophm.health.when_new import hazard_rates, nominal_figures
@@ -70,11 +70,11 @@ def test_hazard_rates_now_of_levels_and_of_components_with_all_their_parts() -> 
 
 def test_by_chance_it_survives_as_often() -> None:
     (exact, *_) = nominal_figures(Plant(ROBOT), HOURS)
-    found = survival_by_chance(ROBOT, HOURS, SAMPLES, seed=2)
+    found = survival_by_monte_carlo(ROBOT, HOURS, SAMPLES, seed=2)
     assert found.probability == pytest.approx(exact.reliability, abs=sure(exact.reliability))
-    assert found == survival_by_chance(ROBOT, HOURS, SAMPLES, seed=2)
+    assert found == survival_by_monte_carlo(ROBOT, HOURS, SAMPLES, seed=2)
     older = parse("schema_version: 1\nname: R\ncomponents: {a: {rate: 1e-3 /h, initial_exposure: 100 h}}\n")
-    aged = survival_by_chance(older, 100.0, SAMPLES)
+    aged = survival_by_monte_carlo(older, 100.0, SAMPLES)
     assert aged.probability == pytest.approx(math.exp(-0.2), abs=sure(math.exp(-0.2)))  # what it had behind it counts
 
 

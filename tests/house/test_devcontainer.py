@@ -24,6 +24,7 @@ def test_the_container_is_described_in_the_standard_form() -> None:
     dockerfile = (CONTAINER / said["build"]["dockerfile"]).read_text("utf-8").replace("\\\n", " ")
     steps = [line.split(None, 1) for line in dockerfile.splitlines() if line and not line.startswith("#")]
     assert steps[0][0] == "FROM"
+    assert {verb for verb, _ in steps[1:]} <= {"COPY", "RUN"}, "what tools/test-fresh performs"
     assert re.fullmatch(r"[a-z]+:\d+", steps[0][1]), "an image without the name of a host"
     context = (CONTAINER / said["build"]["context"]).resolve()
     assert context == ROOT

@@ -11,7 +11,7 @@ OURS = {  # what it is called instead (docs/reference/glossary.md)
     "Bundle": "StressGroups", "Said": "SignalSamples", "Heard": "SignalColumns", "Hearing": "Receiver",
     "Course": "ReportHistory", "Went": "the value itself", "judging": "task_evaluation", "swapped": "what_if_replaced",
     "Fault": "LocatedError, a fault being one of the robot", "fault_of": "place_and_message", "Checked": "CheckResult",
-    "takers": "inputs_of_stress", "driving": "sensor_channels", "Driving": "ChannelBuilder", "Cover": "SensorCover",
+    "takers": "inputs_of_stress", "driving": "sensor_inputs", "Driving": "ChannelBuilder", "Cover": "SensorCover",
     "told_apart": "distinguished_parts", "Holding": "ValueHolder", "InOrder": "SampleSorter, or OneActiveStandby",
     "Solved": "SolvedGroup", "Together": "SeriesOfParts", "Positions": "SeveralActiveStandby",
     "Sharing": "SharedLoad", "not_taken": "rejected_samples", "affordable": "check_draws", "Promise": "NominalFigures",
@@ -21,6 +21,9 @@ OURS = {  # what it is called instead (docs/reference/glossary.md)
     "lacking": "missing_signals", "Ear": "TopicReader", "Greeting": "PendingSubscriber", "Callee": "CalledNode",
     "told_in": "tasks_in", "Prepared": "PreparedRobot", "Shelf": "PreparedRobots", "speakable": "json_values",
     "paper_says": "paper_prediction", "found_out": "likelihood_ratio_p_value",
+    "knowing": "rate_sensitivity", "ignorance": "state_of_knowledge", "far_out": "extrapolation_note",
+    "heard_parts": "parts_by_topic", "ServiceInterval": "ExposureBetweenServices", "by_chance": "monte_carlo",
+    "DrivenTask": "TaskFigures", "standstill": "downtime_by_repairs", "Reading": "TopicDecoder, or ColumnDecoder",
 }  # fmt: skip
 
 

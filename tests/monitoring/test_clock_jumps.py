@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from robophm.core.signal import CLOCK, HOUR, SECOND, Sample
-from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.monitoring.block_monitor import BlockMonitor
 from robophm.monitoring.live_loop import watch
@@ -20,22 +19,15 @@ from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
 from robophm.transports.signals.source import SignalColumns, SignalSource, TopicInfo
 
+from .designs import IN_2038, MEASURED, MOTOR, robot
+from .designs import MEASURED_AS as T
+
 START = 1_795_000_000 * SECOND
-IN_2038 = 2_147_483_000 * SECOND
-T = "/motor.temperature"
-DESIGN = """
-schema_version: 1
-name: R
-signals: {temperature: {topic: /motor, field: temperature, unit: degC, max_age: 10 s, range: [-40, 125]}}
-components:
-  motor: {rate: 0.01 /h, acceleration: {model: q10, reference_temperature: 25 degC}}
-  shelf: {rate: 0.001 /h, clock: calendar}
-"""
 
 
 @pytest.fixture
 def design() -> Robot:
-    return parse(DESIGN)
+    return robot(**MEASURED, components={**MOTOR, "shelf": {"rate": "0.001 /h", "clock": "calendar"}})
 
 
 class Said(SignalSource):

@@ -20,7 +20,7 @@ from robophm.measured.profile import stress_profiles
 from robophm.measured.recordings import recordings
 from robophm.monitoring.replay import kept_ledger, replay
 from robophm.monitoring.task_history import judge_tasks
-from robophm.monitoring.wear_history import wear_history, worn_modes
+from robophm.monitoring.wear_from_recordings import wear_history, worn_modes
 from robophm.stores.memory import MemoryStore
 
 START = 1_709_553_600 * SECOND

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import random
-import subprocess
-import sys
-import time
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
@@ -22,10 +18,10 @@ from robophm.design.robot import Robot
 from robophm.monitoring.recording_sessions import sessions_of
 from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
-from robophm.stores.sqlite import SqliteStore
 from robophm.transports.synthetic import SyntheticOta
 
 from .designs import bound, exact, robot
+from .killed import is_as_if_undisturbed, killed
 
 OTA = Path(__file__).parents[2] / "examples" / "ota" / "robot.yaml"
 START = 1_700_000_040 * SECOND  # a whole minute
@@ -66,46 +62,16 @@ def test_a_recording_is_counted_once_in_whatever_pieces(ota: Robot, recorded: di
     assert (again.to_json(), store.ledger(ota.name), list(store.history(ota.name))) == (first.to_json(), kept, history)
 
 
-KILLED = """
-import os, sys, time
-import robophm, robophm.monitoring.replay, robophm.monitoring.block_monitor
-from robophm.stores.sqlite import SqliteStore
-robophm.monitoring.replay.SAVE_EVERY = 0.01
-robophm.monitoring.block_monitor.ENOUGH = 500
-def tick(monitor):
-    time.sleep(0.002)
-    os.write(1, b".")
-robophm.replay(robophm.load(sys.argv[1]), sys.argv[2], store=SqliteStore(sys.argv[3]), period=1, report_every=2, on_tick=tick)
-"""  # noqa: E501
-
-
 def test_a_replay_killed_again_and_again_ends_as_one_that_was_not(
     ota: Robot, recorded: dict[str, Path], tmp_path: Path
 ) -> None:
-    path, chance, progress = tmp_path / "killed.db", random.Random(4), []
+    path = tmp_path / "killed.db"
     (drive,) = sessions_of(ota, recorded[".mcap"])
-    for _ in range(20):
-        command = [sys.executable, "-c", KILLED, str(OTA), str(recorded[".mcap"]), str(path)]
-        with subprocess.Popen(command, stdout=subprocess.PIPE) as child:
-            assert child.stdout
-            child.stdout.read(chance.randint(20, 70))  # ticks
-            time.sleep(chance.uniform(0, 0.01))
-            child.kill()
-            finished = child.wait() == 0
-        with SqliteStore(path) as store:
-            progress.append(store.progress(ota.name, drive.key))
-        if finished:
-            break
+    progress = [store.progress(ota.name, drive.key)
+                for store in killed(OTA, recorded[".mcap"], path, ticks=(20, 70), seed=4)]  # fmt: skip
     assert progress[-1].complete
     assert sum(one.position > 0 and not one.complete for one in progress) >= 2  # killed on the way
-    undisturbed = MemoryStore()
-    expected = replay(ota, recorded[".mcap"], store=undisturbed, period=1, report_every=2)
-    with SqliteStore(path) as store:
-        assert store.ledger(ota.name) == undisturbed.ledger(ota.name)
-        assert list(store.history(ota.name)) == list(undisturbed.history(ota.name))
-        found = replay(ota, recorded[".mcap"], store=store, period=1, report_every=2)
-        assert store.ledger(ota.name) == undisturbed.ledger(ota.name)
-    assert found.to_json() == expected.to_json()
+    is_as_if_undisturbed(OTA, recorded[".mcap"], path)
 
 
 def test_a_store_of_another_design_is_refused(ota: Robot, recorded: dict[str, Path]) -> None:

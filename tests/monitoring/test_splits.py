@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 import json
-import random
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -19,8 +15,9 @@ from robophm.design.robot import Robot
 from robophm.monitoring.recording_sessions import sessions_of
 from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
-from robophm.stores.sqlite import SqliteStore
 from robophm.transports.synthetic import SyntheticOta
+
+from .killed import is_as_if_undisturbed, killed
 
 OTA = Path(__file__).parents[2] / "examples/ota/robot.yaml"
 T0 = 1_709_553_600 * SECOND
@@ -90,47 +87,15 @@ def test_a_file_before_those_that_were_counted_is_refused(ota: Robot, drive: tup
     assert store.ledger(ota.name) == kept
 
 
-KILLED = """
-import os, sys, time
-import robophm, robophm.monitoring.replay, robophm.monitoring.block_monitor
-from robophm.stores.sqlite import SqliteStore
-robophm.monitoring.replay.SAVE_EVERY = 0.01
-robophm.monitoring.block_monitor.ENOUGH = 500
-def tick(monitor):
-    time.sleep(0.002)
-    os.write(1, b".")
-robophm.replay(
-    robophm.load(sys.argv[1]), sys.argv[2], store=SqliteStore(sys.argv[3]), period=1, report_every=2, on_tick=tick
-)
-"""
-
-
 def test_a_replay_of_parts_that_is_killed_again_and_again(ota: Robot, drive: tuple[Path, Path], tmp_path: Path) -> None:
     """It ends as one that was not, and on the way some parts are done and others are not."""
     _, parts = drive
-    path, chance = tmp_path / "killed.db", random.Random(5)
     keys = [session.key for session in sessions_of(ota, parts)]
     between = 0
-    for _ in range(20):
-        command = [sys.executable, "-c", KILLED, str(OTA), str(parts), str(path)]
-        with subprocess.Popen(command, stdout=subprocess.PIPE) as child:
-            assert child.stdout
-            child.stdout.read(chance.randint(20, 60))  # ticks
-            time.sleep(chance.uniform(0, 0.01))
-            child.kill()
-            finished = child.wait() == 0
-        with SqliteStore(path) as store:
-            states = [store.progress(ota.name, key) for key in keys]
-        done = [state.complete for state in states]
+    for store in killed(OTA, parts, tmp_path / "killed.db", ticks=(20, 60), seed=5):
+        done = [store.progress(ota.name, key).complete for key in keys]
         assert done == sorted(done, reverse=True)  # in their order
         between += 0 < sum(done) < len(done)
-        if finished:
-            break
     assert all(done)
     assert between >= 2
-    undisturbed = MemoryStore()
-    expected = replay(ota, parts, store=undisturbed, period=1, report_every=2)
-    with SqliteStore(path) as store:
-        assert store.ledger(ota.name) == undisturbed.ledger(ota.name)
-        assert list(store.history(ota.name)) == list(undisturbed.history(ota.name))
-        assert replay(ota, parts, store=store, period=1, report_every=2).to_json() == expected.to_json()
+    is_as_if_undisturbed(OTA, parts, tmp_path / "killed.db")

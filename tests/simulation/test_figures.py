@@ -74,6 +74,6 @@ def test_a_fleet_of_a_robot_with_a_part_of_the_library(tmp_path):
     """From the command line, which gives the simulator the library."""
     design = tmp_path / "robot.yaml"
     design.write_text(f"{HEAD}components:\n  A: {{part: lidar_2d}}\ntask: {{duration: 10 min}}\n")
-    words = ["--output", str(tmp_path / "fleet"), "--robots", "3", "--tasks", "2", "--seed", "1"]
+    words = ["--to", str(tmp_path / "fleet"), "--robots", "3", "--tasks", "2", "--seed", "1"]
     assert CliRunner().invoke(app, ["simulate", str(design), *words], catch_exceptions=False).exit_code == 0
     assert (tmp_path / "fleet" / "robot.yaml").read_text() == design.read_text()

@@ -338,7 +338,7 @@ def test_it_shares_nothing_with_the_engine():
 
 def test_from_the_command_line(tmp_path):
     def run(*words):
-        command = [sys.executable, "-m", "robophm", "simulate", str(DESIGN), "--output", *words]
+        command = [sys.executable, "-m", "robophm", "simulate", str(DESIGN), "--to", *words]
         return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
 
     done = run("fleet", "--robots", "4", "--tasks", "3", "--seed", "5", "--json")

@@ -234,3 +234,70 @@ def test_a_file_that_is_no_design_is_not_taken(path):
     with pytest.raises(LocatedError):
         work.take(1)
     assert work.draft().text == SMALL
+
+
+def test_an_edit_is_taken_back_alone_and_done_again_and_what_others_made_since_stays(path):
+    work = Workspace(path)
+    mine = work.edit(1, put(["components", "horn"], HORN), "horn")
+    theirs = work.edit(mine.revision, put(["modules", "drive", "components", "motor", "quantity"], 3), "three")
+    back = work.undo(theirs.revision, mine.state)
+    assert back.text == SMALL.replace("quantity: 2", "quantity: 3")
+    assert back.what == "undo: horn"
+    again = work.redo(back.revision, mine.state)
+    assert "horn" in again.text
+    assert "quantity: 3" in again.text
+    assert work.undo(again.revision, theirs.state).text == mine.text
+
+
+def test_an_edit_that_another_has_touched_is_not_taken_back_and_that_is_said(path):
+    work = Workspace(path)
+    mine = work.edit(1, put(["components", "horn"], HORN), "horn")
+    theirs = work.edit(mine.revision, put(["components", "horn", "rate"], "2 FPMH"), "louder")
+    with pytest.raises(LocatedError, match="changed since by another edit"):
+        work.undo(theirs.revision, mine.state)
+    assert work.draft() == theirs
+    with pytest.raises(DesignError, match="no state 99"):
+        work.undo(theirs.revision, 99)
+
+
+def test_a_file_that_was_changed_by_hand_is_taken_in_where_nothing_is_lost_by_it(path):
+    work = Workspace(path)
+    assert not work.follow_file()
+    path.write_text(SMALL.replace("name: courier", "name: express"))
+    assert not work.follow_file()
+    assert "courier" in work.draft().text  # another look: it may still be being written
+    assert not work.follow_file()
+    taken = work.draft()
+    assert ("express" in taken.text, taken.saved, taken.what) == (True, True, "changed outside")
+    assert work.revision == taken.revision == 2
+    assert work.undo(taken.revision).text == SMALL
+
+
+@pytest.mark.parametrize("of_hand", [SMALL.replace("name: courier", "name: express"), "name: [", ""])
+def test_a_file_changed_by_hand_is_left_where_edits_would_be_lost(path, of_hand):
+    work = Workspace(path)
+    draft = work.edit(1, put(["components", "horn"], HORN), "horn")
+    path.write_text(of_hand)
+    assert [work.follow_file() for _ in range(3)] == [True] * 3
+    assert work.draft().text == draft.text
+    path.write_text(draft.text)
+    assert not work.follow_file()
+    assert work.draft().saved
+
+
+def test_a_file_that_is_no_design_is_left(path):
+    work = Workspace(path)
+    path.write_text("name: [")
+    assert [work.follow_file() for _ in range(3)] == [True] * 3
+    assert work.draft().text == SMALL
+
+
+def test_histories_are_told_apart(path):
+    one = Workspace(path)
+    number = one.history
+    one.close()
+    assert Workspace(path).history == number
+    path.with_name("courier.yaml.edits").unlink()
+    for log in path.parent.glob("*.edits-*"):
+        log.unlink()
+    assert Workspace(path).history != number

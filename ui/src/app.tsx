@@ -1,7 +1,7 @@
 import { Component, type ReactNode, useEffect, useState } from "react";
 import { useAsking, useHealth } from "./lib/health";
 import { connected, pulse } from "./lib/live";
-import { go, redo, route, save, undo, unreachable, useDesign, useShared } from "./lib/store";
+import { go, own, redo, route, save, undo, unreachable, useDesign, useShared } from "./lib/store";
 import { Help } from "./parts/Help";
 import { Icon, State } from "./parts/Icon";
 import { OutsideDialog } from "./parts/OutsideDialog";
@@ -45,6 +45,9 @@ function Top({ openPalette, openHelp }: { openPalette: () => void; openHelp: () 
   const design = useDesign();
   const { monitoring } = useShared(pulse);
   const { health } = useHealth();
+  const mine = useShared(own);
+  const undoes = mine.done.at(-1)?.what ?? design?.undo;
+  const redoes = mine.undone.at(-1)?.what ?? design?.redo;
   return (
     <header className="top">
       <div className="brand">
@@ -65,10 +68,10 @@ function Top({ openPalette, openHelp }: { openPalette: () => void; openHelp: () 
         </a>
       )}
       <ProblemsButton />
-      <button onClick={() => void undo()} disabled={!design?.undo} title={design?.undo ? `Undo: ${design.undo} (Ctrl+Z)` : "Nothing to undo"}>
+      <button onClick={() => void undo()} disabled={undoes == null} title={undoes == null ? "Nothing to undo" : `Undo: ${undoes} (Ctrl+Z)`}>
         Undo
       </button>
-      <button onClick={() => void redo()} disabled={design?.redo == null} title={design?.redo != null ? `Redo: ${design.redo} (Ctrl+Y)` : "Nothing to redo"}>
+      <button onClick={() => void redo()} disabled={redoes == null} title={redoes == null ? "Nothing to redo" : `Redo: ${redoes} (Ctrl+Y)`}>
         Redo
       </button>
       <button className={design && !design.saved ? "primary" : ""} onClick={() => void save()} disabled={!design || design.saved} title="Ctrl+S">
@@ -88,6 +91,7 @@ export function App(): ReactNode {
   useAsking();
   const { page } = useShared(route);
   const link = useShared(connected);
+  const { outside: changedOutside } = useShared(pulse);
   const wrong = useShared(unreachable);
   const design = useDesign();
   const [palette, setPalette] = useState(false);
@@ -135,6 +139,12 @@ export function App(): ReactNode {
           <div className="trouble" role="alert">
             <strong>The service does not answer.</strong> What you see may be old; the page tries again by itself. Is
             <code> robophm serve</code> still running?
+          </div>
+        )}
+        {changedOutside && (
+          <div className="trouble" role="alert">
+            <strong>{design?.file} was changed by hand</strong> while there are edits here that are not saved, or it is no
+            design as it stands. Nothing is lost: <button onClick={() => void save()}>See what was changed</button>
           </div>
         )}
         <Fence of={shown.id} key={shown.id}>

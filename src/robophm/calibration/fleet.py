@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from robophm.blocks.merging import single_points_of_failure
+from robophm.blocks.single_points import single_points_of_failure
 from robophm.calibration.predictions import LEVELS, OWN, Lives, Predictions, Tasks
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import HOUR, SECOND, Sample

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robophm.core.errors import ModelError, SourceError, nearest
+from robophm.core.files import stream_of
 from robophm.transports.recordings.files import existing, reading
 from robophm.transports.recordings.text import LONGEST_LINE
 
@@ -254,7 +255,7 @@ def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
     """Number and cells of every line that is not empty."""
 
     def lines() -> Iterator[str]:
-        with path.open("rb") as file:
+        with stream_of(path) as file:
             for number, line in enumerate(iter(lambda: file.readline(LONGEST_LINE + 1), b""), 1):
                 if len(line) > LONGEST_LINE:
                     raise SourceError(f"{path}, line {number}: longer than {LONGEST_LINE} bytes")

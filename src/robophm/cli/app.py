@@ -46,12 +46,33 @@ COMMANDS = {
     "data": "Look at measured data: `robophm data BAGS` lists it.",
     "store": "Look after a store, where a robot's past is kept.",
 }  # fmt: skip
-"""Each with the first line of its help, in the order of the list."""
+"""Each with the first line of its help."""
+
+GROUPS = {
+    "A robot's design": ("new", "bind", "check", "show", "import-bom", "import-legacy", "schema"),
+    "Rates of parts": ("parts", "models", "rate"),
+    "Health, recorded and live": ("replay", "watch", "topics", "report", "serve", "data", "service", "store"),
+    "What lies ahead, and why": ("predict", "task", "importance", "why"),
+    "Structure and faults": ("cutsets", "fault-tree", "fmeca", "diagnose"),
+    "Learning and upkeep": ("learn", "fit", "wear", "maintain", "calibrate"),
+    "To try it": ("demo", "simulate", "doctor"),
+}
+"""The commands by what they are for."""
+
+FORMER = {
+    ("report", "--output"): "--to", ("demo", "--output"): "--to", ("simulate", "--output"): "--to",
+    ("show", "--hours"): "--at", ("fault-tree", "--time"): "--at", ("diagnose", "--after"): "--at",
+    ("diagnose", "--hours"): "--within", ("fmeca", "--hours"): "--within", ("importance", "--after"): "--within",
+    ("wear", "--at"): "--use",
+}  # fmt: skip
+"""Options that had another name."""
 
 
 class _Commands(CommandGroup):
     package = "robophm.cli"
     lines = COMMANDS
+    groups = GROUPS
+    former = FORMER
 
     def invoke(self, ctx: Any) -> Any:
         """Lets no library decide the exit code: typer makes 1 of these two, whoever raised them."""
@@ -66,7 +87,6 @@ app = typer.Typer(
     help="The honest health of a robot: hazard rate, reliability, remaining life and task completion.",
     epilog=EXIT_CODES,
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )

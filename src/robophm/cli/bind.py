@@ -14,9 +14,8 @@ from robophm.cli.shared.options import Design, Json
 from robophm.cli.shared.output import console, may_write, print_json
 from robophm.core.errors import RobophmError, nearest
 from robophm.design.file import load, rewrite
-from robophm.design.importers.urdf import read_urdf
 from robophm.drafting.binding import bound_text
-from robophm.drafting.bindings import Proposal, proposals
+from robophm.drafting.bindings import Proposal, limits_of, proposals
 from robophm.drafting.seen import look
 
 
@@ -31,9 +30,7 @@ def command(
     """Propose bindings for the inputs of a design by what recordings have, and write those that are accepted."""
     may_write(design, *bags)
     robot = load(design)
-    efforts = {joint.name: joint.effort for joint in read_urdf(urdf).joints} if urdf else {}
-    known = {name: effort for name, effort in efforts.items() if effort > 0}
-    found, notes = proposals(robot, look(bags), known)
+    found, notes = proposals(robot, look(bags), limits_of(urdf))
     asks = not (yes or accept or as_json) and sys.stdin.isatty() and sys.stdout.isatty()
     if not as_json:
         print_bindings(found, notes)

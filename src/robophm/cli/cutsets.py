@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from robophm.cli.shared.fault_trees import of_robot, print_sets, sets_json
-from robophm.cli.shared.options import Design, Json, MostSets, Order
+from robophm.cli.shared.options import Design, Json, MostSets, Order, time_option
 from robophm.cli.shared.output import console, print_json
 from robophm.design.file import load
 from robophm.report.words import probability_text
@@ -20,9 +20,7 @@ def command(
     paths: Annotated[
         bool, typer.Option("--paths", help="what is enough to work, in place of what is enough to fail")
     ] = False,
-    at: Annotated[
-        float, typer.Option(help="operating hours of a new robot at which to state probabilities", min=0)
-    ] = 1000.0,
+    at: Annotated[float, time_option("--at", "of operation, when new: at which to state probabilities")] = 1000.0,
     most: MostSets = 20,
     as_json: Json = False,
 ) -> None:

@@ -36,7 +36,7 @@ PAGE_SPEED = 20.0
 
 
 def command(
-    output: Annotated[Path, typer.Option(help="folder for the recording, the store and the report")] = Path(
+    output: Annotated[Path, typer.Option("--to", help="folder for the recording, the store and the report")] = Path(
         "robophm-demo"
     ),
     seed: Annotated[int, typer.Option(help="of the synthetic robot")] = 1,

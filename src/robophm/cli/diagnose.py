@@ -9,7 +9,7 @@ from typing import Annotated, Any, NamedTuple
 
 import typer
 
-from robophm.cli.shared.options import Design, Json, Store
+from robophm.cli.shared.options import Design, Json, Store, time_option
 from robophm.cli.shared.output import console, print_json, print_table, table
 from robophm.cli.shared.stored_past import outlook_of
 from robophm.cli.shared.unused import refuse_unused
@@ -53,11 +53,9 @@ def command(
     quiet: Annotated[bool, typer.Option("--quiet", help="none is on: what may have failed all the same")] = False,
     add: Annotated[int, typer.Option(help="how many sensors to add, of those with fitted: no", min=0, max=16)] = 0,
     hours: Annotated[
-        float, typer.Option(help="of operation within which a fault came, or the robot must work", min=0)
+        float, time_option("--within", "of operation, in which a fault came, or the robot must work")
     ] = 100.0,
-    after: Annotated[
-        float | None, typer.Option(help="operating hours that a new robot has worked, unwatched", min=0)
-    ] = None,
+    after: Annotated[float | None, time_option("--at", "of operation, for which a new robot has worked")] = None,
     store: Store = None,
     function: Annotated[str | None, typer.Option(help="that must work; default the whole robot")] = None,
     as_json: Json = False,

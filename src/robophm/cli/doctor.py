@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -14,6 +14,19 @@ from robophm.cli.shared.options import Json
 from robophm.cli.shared.output import console, print_json
 
 NEEDED = ("robophm", "numpy", "scipy", "pydantic", "ruamel.yaml", "typer", "rich", "pint", "rosbags", "mcap", "PyYAML")
+
+EXTRAS = {
+    "web": ("the page: robophm serve", ("fastapi", "uvicorn", "websockets")),
+    "fit": ("life data: robophm fit", ("surpyval",)),
+    "ros2": ("ROS 2 without its installation, over DDS", ("cyclonedds",)),
+    "notebook": ("data frames and plots in Python", ("pandas", "matplotlib")),
+    "parquet": ("tables in Parquet", ("pyarrow",)),
+    "px4": ("logs of PX4", ("pyulog",)),
+    "pdf": ("reports as PDF", ("weasyprint",)),
+    "progpy": ("battery and motor models of progpy: robophm wear", ("progpy",)),
+    "sim": ("the live case study", ("mujoco",)),
+}
+"""Extras by name, each with what it is for and the packages that it brings."""
 
 
 def command(as_json: Json = False) -> None:
@@ -24,19 +37,39 @@ def command(as_json: Json = False) -> None:
             versions[name] = version(name)
         except PackageNotFoundError:
             versions[name] = "missing"
+    extras = {name: " ".join(_missing(packages)) for name, (_, packages) in EXTRAS.items()}
     checks = {name: _try(check) for name, check in CHECKS.items()}
     failed = [name for name, outcome in checks.items() if outcome != "ok"] + [
         n for n, v in versions.items() if v == "missing"
     ]
     if as_json:
-        print_json({"versions": versions, "checks": checks, "ok": not failed})
+        print_json(
+            {
+                "versions": versions,
+                "checks": checks,
+                "ok": not failed,
+                "extras": {name: {"for": EXTRAS[name][0], "missing": lacks.split()} for name, lacks in extras.items()},
+            }
+        )
     else:
         out = console()
         for name, text in (*versions.items(), *checks.items()):
             out.print(f"{name:<28} {text}", markup=False)
+        for name, lacks in extras.items():
+            state = f"not installed ({lacks}): pip install 'robophm[{name}]'" if lacks else "installed"
+            out.print(f"{f'extra {name}':<28} {state}; {EXTRAS[name][0]}", markup=False, soft_wrap=True)
         out.print("all is well" if not failed else f"not well: {', '.join(failed)}", markup=False)
     if failed:
         sys.exit(INVALID)
+
+
+def _missing(packages: Sequence[str]) -> Iterator[str]:
+    """Those of these packages that are not installed."""
+    for name in packages:
+        try:
+            version(name)
+        except PackageNotFoundError:
+            yield name
 
 
 def _try(check: Callable[[], None]) -> str:

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from robophm.cli.shared.fault_trees import System, of_model, of_robot, print_sets, sets_json
-from robophm.cli.shared.options import ChanceSeed, Json, MostSets, Order
+from robophm.cli.shared.options import ChanceSeed, Json, MostSets, Order, time_option
 from robophm.cli.shared.output import console, estimate_text, may_write, print_json, write
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError
@@ -24,7 +24,9 @@ def command(
     ],
     function: Annotated[str | None, typer.Option(help="of a robot; default the whole robot")] = None,
     top: Annotated[str | None, typer.Option(help="gate of a model of which several are used by no other")] = None,
-    time: Annotated[float | None, typer.Option(help="mission time, or of a new robot [h of operation]", min=0)] = None,
+    time: Annotated[
+        float | None, time_option("--at", "mission time of a model, or of operation of a new robot")
+    ] = None,
     order: Order = None,
     most: MostSets = 20,
     to: Annotated[Path | None, typer.Option(help="write the tree: as a model, .xml, or a design, .yaml")] = None,

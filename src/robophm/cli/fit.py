@@ -17,6 +17,7 @@ from robophm.cli.shared.fit_results import (
     modes_json,
     show_limited,
     show_modes,
+    show_notes,
 )
 from robophm.cli.shared.options import Json
 from robophm.cli.shared.output import console, may_make, may_write, print_json, print_table, table, write
@@ -273,10 +274,8 @@ def _show(
         statistic, p = number_text(tested.statistic, 3), number_text(tested.p_value, 2)
         out.print(f"Anderson–Darling {statistic}, p = {p}: {fits_well}", markup=False)
     for one in fits:
-        for note in one.notes:
-            out.print(f"{one.name}: {note}", style="yellow", markup=False, soft_wrap=True)
-    for name, why in refused.items():
-        out.print(f"{name} was not fitted: {why}", style="yellow", markup=False, soft_wrap=True)
+        show_notes(out, [f"{one.name}: {note}" for note in one.notes])
+    show_notes(out, [f"{name} was not fitted: {why}" for name, why in refused.items()])
     _draw(out, best)
 
 
@@ -312,8 +311,7 @@ def _show_stress(found: LifeStressFit) -> None:
                   f"freedom, p = {number_text(p, 2)}", markup=False)  # fmt: skip
     out.print(f"ln L {number_text(found.log_likelihood, 6)}, AIC {number_text(found.aic, 6)}; intervals hold with "
               f"{100 * found.level:g} %", markup=False)  # fmt: skip
-    for note in found.notes:
-        out.print(note, style="yellow", markup=False, soft_wrap=True)
+    show_notes(out, found.notes)
 
 
 def _show_power_law(by: Mapping[str, PowerLaw], data: LifeData, wishes: Wishes) -> None:

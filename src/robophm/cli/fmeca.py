@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from robophm.cli.shared.options import Design, Force, Json
+from robophm.cli.shared.options import Design, Force, Json, time_option
 from robophm.cli.shared.output import console, may_make, print_json, print_table, table, write
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError
@@ -28,7 +28,7 @@ def command(
     sensors: Annotated[
         Path | None, typer.Option(help="a table: sensor, part, detects, false alarm, price, fitted")
     ] = None,
-    hours: Annotated[float, typer.Option(help="of operation of a new robot", min=1e-6)] = 1000.0,
+    hours: Annotated[float, time_option("--within", "of operation of a new robot", above=True)] = 1000.0,
     severity: Annotated[
         list[str] | None, typer.Option(metavar="WHAT=1…10", help="of robot, redundancy, nothing, a function or a part")
     ] = None,

@@ -12,24 +12,24 @@ import typer
 
 from robophm.cli.shared.fault_trees import of_model
 from robophm.cli.shared.option_hints import with_options
-from robophm.cli.shared.options import Failed, Future, Json, Store, Working
+from robophm.cli.shared.options import Failed, Future, Json, Store, Working, time_option
 from robophm.cli.shared.output import console, print_json, print_table, table
 from robophm.cli.shared.stored_past import kept
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError, nearest
-from robophm.core.units import quantity
 from robophm.design.build_task import with_knowledge
 from robophm.design.file import load
 from robophm.design.robot import Robot
 from robophm.design.task import Plan
 from robophm.design.task_file import load_plan
-from robophm.health.importance import LONGEST, Importances, of_tree
+from robophm.health.importance import Importances, of_tree
 from robophm.health.ledger import Ledger
 from robophm.health.outlooks import FutureName, View, outlooks
 from robophm.health.replacement import Replacements
 from robophm.health.report import VIEWS, plain
 from robophm.health.what_matters import what_matters
 from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.seen_wear import seen_wear
 from robophm.report.words import duration_text, more_text, number_text, percent_text, probability_text
 
 MEASURES = {
@@ -57,14 +57,6 @@ class Question:
     most: int
 
 
-def hours_ahead(text: str) -> float:
-    """Return a time ahead in hours. Raises RobophmError."""
-    hours = quantity(text, "h")
-    if not 0 < hours <= LONGEST:
-        raise RobophmError(f"--after {text}: expected above zero, at most {LONGEST:g} h")
-    return hours
-
-
 def measure(name: str) -> str:
     """Return what a measure is called inside. Raises RobophmError."""
     if name not in MEASURES:
@@ -80,8 +72,8 @@ def command(
     working: Working = None,
     future: Future = "recent",
     function: Annotated[str | None, typer.Option(help="of the robot; default the whole robot")] = None,
-    after: Annotated[
-        str | None, typer.Option(help="time of operation ahead, e.g. '50 h'; default 1000 h, or half its life if less")
+    hours: Annotated[
+        float | None, time_option("--within", "of operation; default 1000 h, or half its life if less", above=True)
     ] = None,
     by: Annotated[str, typer.Option(help="birnbaum, criticality, fussell-vesely, raw, rrw, improvement "
                                          "or barlow-proschan")] = "criticality",
@@ -89,7 +81,7 @@ def command(
     as_json: Json = False,
 ) -> None:  # fmt: skip
     """What matters most to a robot's health, and what to replace first."""
-    hours, ranked = hours_ahead(after) if after is not None else None, measure(by)
+    ranked = measure(by)
     if design.suffix.lower() == ".xml":
         run_model(design, hours, ranked, most, as_json=as_json)
         return
@@ -107,8 +99,9 @@ def run(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: boo
     settled = monitor.exposure.settled(monitor.ledger)
     plan = question.plan
     views = outlooks(
-        monitor.plant, monitor.exposure, settled, future=cast(FutureName, question.future), knowledge=plan.knowledge
-    )
+        monitor.plant, monitor.exposure, settled, future=cast(FutureName, question.future), knowledge=plan.knowledge,
+        wear=seen_wear(robot, settled),
+    )  # fmt: skip
     wanted: Sequence[View] = VIEWS if ledger else ("sensor_based",)  # without a past both are one
     task = plan.joined if plan.tasks else None
     found = what_matters({view: views[view] for view in wanted}, diagram, task, question.hours)
@@ -128,7 +121,7 @@ def run(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: boo
 
 def run_model(path: Path, hours: float | None, by: str, most: int, *, as_json: bool) -> None:
     """Print the answer for a coherent fault tree in the Open-PSA format."""
-    refuse_unused("a fault tree", ("after", "by", "most"))
+    refuse_unused("a fault tree", ("hours", "by", "most"))
     system = of_model(path, hours, None)
     found = of_tree(system.event, math.nan if hours is None else hours)
     question = Question(Plan(()), "nominal", None, hours, by, most)

@@ -18,7 +18,7 @@ from robophm.design.robot import CLOCK_UNITS, UNKNOWN, Robot
 from robophm.health.unknown_rates import few
 from robophm.learning.rates.evidence import FEWEST_TO_DIFFER, spread_text, with_evidence
 from robophm.learning.rates.failure_log import Seen, read_failure_log
-from robophm.learning.rates.fleet import Ratio
+from robophm.learning.rates.fleet import StatedRateRatio
 from robophm.learning.rates.rate_update import LearnedRate, UnstatedRate, learn, unstated
 from robophm.monitoring.rate_history import rate_history
 from robophm.report.words import number_text
@@ -169,5 +169,5 @@ def _json(one: LearnedRate) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _ratio(one: Ratio) -> dict[str, float]:
+def _ratio(one: StatedRateRatio) -> dict[str, float]:
     return {"factor": one.times, "low": one.low, "high": one.high}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -13,7 +14,7 @@ from rich.console import Console
 
 from robophm.cli.shared.options import Design, Json, stated_store
 from robophm.cli.shared.output import console, print_json, print_table, table
-from robophm.cli.shared.stored_past import outlook_of
+from robophm.cli.shared.stored_past import kept
 from robophm.core.errors import DataError, RobophmError, UnitError
 from robophm.core.units import quantity
 from robophm.design.file import load
@@ -26,6 +27,8 @@ from robophm.learning.maintenance.costs_table import read_costs
 from robophm.learning.maintenance.life_cycle_costs import LifeCycle
 from robophm.learning.maintenance.replacement_age import Visit
 from robophm.learning.maintenance.upkeep import LifeCycles, PartPlan, UpkeepPlan
+from robophm.monitoring.condition_upkeep import ByCondition, by_condition
+from robophm.monitoring.monitor import Monitor
 from robophm.report.words import duration_text, number_text
 
 MOST_FIRST = 20
@@ -62,6 +65,10 @@ class _Answers:
     """Gain of each part put in new for what it costs; None without a past."""
     first_unknown: PartsOfUnknownRate | None
     """The effect of parts of unknown rate on that."""
+    inspected: Mapping[str, ByCondition]
+    """The parts that are best replaced by what an inspection finds."""
+    uninspected: Mapping[str, str]
+    """Why that cannot be said of other parts, by their path."""
 
 
 def command(
@@ -98,7 +105,9 @@ def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:
             f"{table_of_costs}: all parts in it are of unknown rate ({few(list(costs))}); expected one with a rate"
         )
     plant = Plant(robot)
-    outlook = outlook_of(wishes.store, robot) if wishes.store else as_designed(plant)
+    ledger = kept(wishes.store, robot) if wishes.store else None
+    monitor = Monitor(robot, ledger)
+    outlook = monitor.report(remaining_life=False).outlooks["sensor_based"] if ledger else as_designed(plant)
     plan = UpkeepPlan.of(
         robot, costs, outlook.future.pace(plant), age=outlook.age if wishes.store else None,
         hour_down=wishes.hour_down, seed=wishes.seed,
@@ -109,12 +118,15 @@ def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:
     gains = replacements(outlook, robot.diagram, robot.task) if wishes.store else None
     first = gains.for_their_cost({one.path: one.price for one in plan.parts}) if gains else None
     left_out = unknown_in_parts(costs[name].part for name in plan.unknown)
-    found = _Answers(plan, left_out, visit, cycles, stock, first, gains.unknown if gains else None)
+    unknown_gains = gains.unknown if gains else None
+    inspected = by_condition(plan, ledger)
+    found = _Answers(plan, left_out, visit, cycles, stock, first, unknown_gains, *inspected)
     if wishes.as_json:
         print_json(_json(found))
         return
     out = console()
     _print_parts(out, found)
+    _print_inspected(out, found)
     if visit:
         _print_visit(out, visit, wishes.setup)
     if cycles:
@@ -158,6 +170,25 @@ def _print_parts(out: Console, found: _Answers) -> None:
                 f"{one.path} is redundant: while it is down the robot stands still with "
                 f"{number_text(100 * one.stops, 2)} %", markup=False, soft_wrap=True,
             )  # fmt: skip
+
+
+def _print_inspected(out: Console, found: _Answers) -> None:
+    rows = [
+        [name, number_text(one.level, 4), duration_text(one.policy.interval / one.pace),
+         *(number_text(1000 * rate * one.pace, 3)
+           for rate in (one.policy.cost_rate, one.policy.by_age, one.policy.never)),
+         f"{number_text(100 * one.policy.saving, 2)} %" if one.policy.saving > 0 else "–"]
+        for name, one in found.inspected.items()
+    ]  # fmt: skip
+    if rows:
+        columns = ["by inspection", "replace at", "inspect every", "cost per 1000 h", "by age", "if never", "saved"]
+        out.print()
+        print_table(out, table("Replaced by the wear that is found", columns, rows, figures=range(1, 7)))
+        out.print("All three by the law of the wear that was read, a gamma process; a failure shows at once.",
+                  soft_wrap=True)  # fmt: skip
+    for name, why in found.uninspected.items():
+        out.print(f"{name}: when to replace it by inspection cannot be said: {why}", style="yellow", markup=False,
+                  soft_wrap=True)  # fmt: skip
 
 
 def _part_row(one: PartPlan) -> list[str]:
@@ -275,5 +306,11 @@ def _json(found: _Answers) -> dict[str, Any]:
                                                "return": watched.ratio, "chance": watched.chance}},
         "spares": {name: {"spares": number, "enough_with": sure} for name, (number, sure) in found.spares.items()}
         | dict.fromkeys(plan.unknown),
+        "inspected": {
+            name: {"level": one.level, "every_hours": one.policy.interval / one.pace, "readings": one.readings,
+                   "cost_per_hour": one.policy.cost_rate * one.pace, "by_age": one.policy.by_age * one.pace,
+                   "never": one.policy.never * one.pace, "age": one.policy.age}
+            for name, one in found.inspected.items()
+        } | {name: {"why": why} for name, why in found.uninspected.items()},
         "first": None if found.first is None else [one._asdict() for one in found.first],
     }  # fmt: skip

@@ -31,7 +31,7 @@ def print_reference() -> None:
 
 
 def print_environments(*, as_json: bool) -> None:
-    """What a design and the models call an environment, and what that means."""
+    """Print the environments that designs and models know: symbol, name in the handbook, meaning, words for it."""
     if as_json:
         keys = ("symbol", "name", "meaning", "words")
         print_json({"source": str(SOURCE), "environments": [dict(zip(keys, row, strict=True)) for row in rows()]})
@@ -40,7 +40,7 @@ def print_environments(*, as_json: bool) -> None:
 
 
 def print_qualities(*, as_json: bool) -> None:
-    """What a design calls the quality of a whole board, and what that means."""
+    """Print the words by which a design states the quality of a whole robot or board, each with its meaning."""
     if as_json:
         rows = [{"quality": said, "meaning": meaning} for said, meaning in QUALITIES.items()]
         print_json({"source": str(VITA), "qualities": rows})

@@ -24,12 +24,12 @@ from robophm.drafting.updating import Outcome, Updated, earlier_answers, updated
 from robophm.health.report import plain
 
 ASSUMPTIONS, TASKS = "assumptions.md", "tasks.yaml"
-"""What is written beside the design."""
+"""Names of the two files that are written into the folder of the design: a page of assumptions, and a task file."""
 
 
 @dataclass(frozen=True)
 class Wishes:
-    """What the command line says."""
+    """The arguments of one call of ``robophm new``, after they have been read."""
 
     urdf: Path | None
     bags: tuple[Path, ...]
@@ -49,7 +49,7 @@ def command(
     bag: Bag = None,
     bom: Annotated[list[str] | None, typer.Option(help="parts list and its module, main.csv=Drive/board")] = None,
     hours: Annotated[str | None, typer.Option(help="that it works a day")] = None,
-    where: Annotated[str | None, typer.Option(help="it works: indoor, outdoor, flying …")] = None,
+    where: Annotated[str | None, typer.Option(help="it works: indoor robot, outdoor robot, factory, flying …")] = None,
     battery: Annotated[str | None, typer.Option(help="li-ion, lipo, lead acid …, mains or none")] = None,
     computer: Annotated[str | None, typer.Option(help="raspberry pi, jetson, mini pc … or none")] = None,
     sensors: Annotated[str | None, typer.Option(help="that were not seen, in words, with commas")] = None,
@@ -177,6 +177,7 @@ def _document(design: Path, draft: Draft, look: FirstLook, outcomes: Sequence[Ou
         "bound": [{"part": one.part, "input": one.input, "signals": one.signals, "seen": one.seen,
                    "assumed": one.assumed} for one in draft.bound],
         "unbound": list(draft.unbound),
+        "doubts": list(draft.doubts),
         "tasks": [asdict(one) for one in draft.tasks],
         "outcomes": [asdict(one) for one in outcomes],
         "lived": look.lived,
@@ -191,6 +192,8 @@ def _document(design: Path, draft: Draft, look: FirstLook, outcomes: Sequence[Ou
 
 def _print(design: Path, draft: Draft, look: FirstLook, outcomes: Sequence[Outcome]) -> None:
     out = console()
+    for doubt in draft.doubts:
+        warn(doubt)
     print_bindings(draft.bound, draft.unbound)
     for one in outcomes:
         if one.state != "unchanged":

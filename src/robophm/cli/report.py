@@ -21,7 +21,7 @@ def command(
     design: Design,
     store: Store = None,
     output: Annotated[
-        Path | None, typer.Option(help="the page; health.html, or health.pdf", show_default=False)
+        Path | None, typer.Option("--to", help="the page; health.html, or health.pdf", show_default=False)
     ] = None,
     horizon: Horizon = None,
     pdf: Annotated[bool, typer.Option("--pdf", help="as a PDF; needs robophm[pdf]")] = False,
@@ -44,7 +44,7 @@ def command(
         with open_store(store) as past:
             history = list(past.history(robot.name))
     data = ledger.to_json() if ledger else None
-    health = Monitor(robot, ledger).report(horizon=ahead)
+    health = Monitor(robot, ledger).report(horizon=ahead, alarms=True)
     html = health_page(robot, health, history, data)
     write(path, printer.pdf(html) if printer else html)
     print_unknown(health.system.unknown, robot)

@@ -11,7 +11,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from robophm.cli.shared.options import ChanceSeed, Design, Horizon, Json, Legacy, Unit, horizon_of
+from robophm.cli.shared.options import ChanceSeed, Design, Horizon, Json, Legacy, Unit, horizon_of, time_option
 from robophm.cli.shared.output import (
     console,
     estimate_text,
@@ -24,12 +24,11 @@ from robophm.cli.shared.output import (
     write,
 )
 from robophm.cli.shared.unused import refuse_unused
-from robophm.core.errors import UnitError
 from robophm.design.file import load
 from robophm.design.importers.legacy.figures import legacy_rate, legacy_reliability
 from robophm.design.robot import Robot
-from robophm.health.by_chance import survival_by_chance
 from robophm.health.failures_to_come import failures_to_come
+from robophm.health.monte_carlo import survival_by_monte_carlo
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
@@ -88,7 +87,7 @@ def _labels(new: Outlook, unit: str) -> Callable[[str], Label]:
 
 def command(
     design: Design,
-    hours: Annotated[float, typer.Option(help="operating hours at which to state λ and R")] = 1000.0,
+    hours: Annotated[float, time_option("--at", "of operation, at which to state λ and R")] = 1000.0,
     unit: Unit = "1/h",
     svg: Annotated[Path | None, typer.Option(help="also draw the diagram into this SVG file")] = None,
     horizon: Horizon = None,
@@ -109,8 +108,8 @@ def command(
 def estimated(design: Path, hours: float, robots: int, seed: int, *, as_json: bool) -> None:
     """Say what so many simulated robots did in place of what the diagram gives. Raises RobophmError."""
     refuse_unused("simulated robots (--monte-carlo)", ("hours", "monte_carlo", "seed"))
-    robot = _asked(design, hours, None)
-    by_chance = survival_by_chance(robot, hours, robots, seed=seed)
+    robot = _asked(design, None)
+    by_chance = survival_by_monte_carlo(robot, hours, robots, seed=seed)
     if as_json:
         print_json({"robot": robot.name, "hours": hours, "seed": seed, **asdict(by_chance)})
         return
@@ -129,7 +128,7 @@ def shown(
         f"a design{'' if in_words else ' as JSON, in 1/h'}",
         ("hours", "svg", "legacy", "horizon", *["unit"] * bool(in_words)),
     )
-    robot = _asked(design, hours, svg)
+    robot = _asked(design, svg)
     new = as_designed(Plant(robot))
     found = [
         (one, (legacy_rate(module), legacy_reliability(module, hours)) if legacy else (None, None))
@@ -157,8 +156,6 @@ def shown(
     print_failures_to_come(to_come, both=False)
 
 
-def _asked(design: Path, hours: float, svg: Path | None) -> Robot:
-    if not 0 <= hours < float("inf"):
-        raise UnitError(f"--hours {hours:g}: expected a number of at least 0")
+def _asked(design: Path, svg: Path | None) -> Robot:
     may_write(svg, design)
     return load(design)

@@ -18,7 +18,7 @@ from robophm.simulation.fleet import simulate
 
 def command(
     design: Design,
-    output: Annotated[Path, typer.Option(help="folder for the fleet; must not exist, or be empty")],
+    output: Annotated[Path, typer.Option("--to", help="folder for the fleet; must not exist, or be empty")],
     robots: Annotated[int, typer.Option(help="how many")] = 20,
     tasks: Annotated[int, typer.Option(help="that each of them does, and the rest of that round of its plan")] = 10,
     seed: Annotated[int | None, typer.Option(help="writes the same fleet again; default: a fresh one")] = None,

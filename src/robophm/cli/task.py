@@ -14,7 +14,7 @@ from rich.console import Console
 from robophm.cli import BREACHED
 from robophm.cli.shared import task_recording
 from robophm.cli.shared.options import Design, Draws, Failed, Future, Json, Legacy, SkipMissing, Store, Working
-from robophm.cli.shared.output import console, print_json, print_table, progress_console, table, warn
+from robophm.cli.shared.output import console, print_json, print_table, print_wear, progress_console, table, warn
 from robophm.cli.shared.progress import counted
 from robophm.cli.shared.stored_past import check_draws, kept
 from robophm.cli.shared.task_words import stated_speed
@@ -36,6 +36,7 @@ from robophm.health.task_report import TaskReport, task_report
 from robophm.health.uncertainty import Interval
 from robophm.health.unknown_rates import marks
 from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.seen_wear import seen_wear
 from robophm.report.words import duration_text, failure_text, number_text, percent_text, probability_text
 from robophm.transports.recordings.files import holds_messages
 from robophm.transports.recordings.salvage import Salvage
@@ -152,15 +153,17 @@ def _of_list(robot: Robot, ledger: Ledger | None, question: Question, *, as_json
     """Print the answer; return whether a threshold is breached."""
     monitor = Monitor(robot, ledger)
     settled = monitor.exposure.settled(monitor.ledger)
+    wear = seen_wear(robot, settled)
     report = task_report(
         monitor.plant, monitor.exposure, settled, question.plan,
-        future=question.future, draws=question.draws, seed=question.seed,
+        future=question.future, draws=question.draws, seed=question.seed, wear=wear,
     )  # fmt: skip
     again: dict[View, tuple[RepeatedTasks, bool]] = {}
     if question.repeat > 1:
         views = outlooks(
-            monitor.plant, monitor.exposure, settled, future=question.future, knowledge=question.plan.knowledge
-        )
+            monitor.plant, monitor.exposure, settled,
+            future=question.future, knowledge=question.plan.knowledge, wear=wear,
+        )  # fmt: skip
         again = {view: _repeated(views[view], question.plan, question.repeat) for view in VIEWS}
     threshold = question.threshold if question.threshold is not None else report.threshold
     uptime = float(settled.clocks.value[0])
@@ -171,6 +174,7 @@ def _of_list(robot: Robot, ledger: Ledger | None, question: Question, *, as_json
         print_json({**report.to_json(), **more})
     else:
         _print(report, again, threshold, question)
+        print_wear(report.wear, monitor.plant)
         if old:
             _print_legacy(report, old)
     return report.breached

@@ -29,12 +29,13 @@ from robophm.health.report import HealthReport, plain
 from robophm.health.unknown_rates import marked, marks
 from robophm.monitoring.live_loop import watch
 from robophm.monitoring.recording_sessions import missing_signals
+from robophm.report.wear import ranked
 from robophm.report.words import duration_text, number_text, probability_text, rate_text
 from robophm.stores import open_store
 from robophm.transports.health_topics import HealthTopics, Outlet
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.running_ros import open_live
-from robophm.transports.signals.sink import JudgedTask, ReportSink
+from robophm.transports.signals.report_sink import JudgedTask, ReportSink
 from robophm.transports.tasks.listener import topics_to_hear
 
 
@@ -43,7 +44,7 @@ class Watched:
     """The options of a watch."""
 
     ros: str
-    """Which: auto, 1 or 2."""
+    """The ROS that is listened to: auto, 1 or 2."""
     store: str | None
     journal: Path | None
     period: float
@@ -151,7 +152,7 @@ def run(design: Path, asked: Watched) -> bool:
                 task_topics=topics_to_hear(asked.tasks, asked.namespace), speed=speed, functions=asked.functions,
                 on_clock=warn,
             )  # fmt: skip
-        health = monitor.report()
+        health = monitor.report(alarms=True)
         if asked.as_json:
             print_json(health.to_json(), one_of_many=True)
         else:
@@ -159,6 +160,10 @@ def run(design: Path, asked: Watched) -> bool:
         for what, count in sorted(source.notes.items()):
             warn(f"{what} ({count} times)")
     return bool(health.breaches)
+
+
+SHOWN = ("foretold", "reached", "not followed")
+"""States of wear that a line tells of, of the part that comes first."""
 
 
 class _OnTerminal(ReportSink):
@@ -191,7 +196,10 @@ class _Lines(ReportSink):
             rate = rate_text(report.system.sensor_based.hazard_rate, self._asked.unit)
             rate = marked(marks(report.system.unknown)[0], rate)
             told = f"  ({', '.join(report.system.marks)})" if report.system.marks else ""
-            self._out.print(f"{report.clocks['operating']:.3f} h  λ {rate}{told}", markup=False, soft_wrap=True)
+            worn = [f"  {one.mode} {one.says}" for one in ranked(report.wear)[:1] if one.state in SHOWN]
+            self._out.print(
+                f"{report.clocks['operating']:.3f} h  λ {rate}{told}{''.join(worn)}", markup=False, soft_wrap=True
+            )
 
     def judged(self, task: JudgedTask) -> None:
         if self._asked.as_json:

@@ -21,11 +21,12 @@ from robophm.cli.shared.wear_words import backtest_json, lives_json, print_backt
 from robophm.core.errors import DataError
 from robophm.design.file import load
 from robophm.design.robot import Robot
+from robophm.health.worn import SeenWear
 from robophm.learning.wear.backtest import Backtest
 from robophm.learning.wear.indexed_mode import indexed_mode_of_tables
 from robophm.learning.wear.worn_mode import WearOptions, WornMode, one_mode, others_of_table, worn_mode_of_table
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.wear_history import wear_history, worn_in, worn_modes
+from robophm.monitoring.wear_from_recordings import seen_in, wear_history, worn_in, worn_modes
 from robophm.monitoring.worn_life import WornLife, worn_lives
 
 TABLES = (".csv", ".tsv", ".yaml", ".yml")
@@ -82,6 +83,7 @@ def command(
     at: Annotated[
         list[str] | None,
         typer.Option(
+            "--use",
             help="of a table with columns temperature, stress or depth_of_discharge: conditions under which it goes "
             "on, e.g. temperature=40; default as of late",
             metavar="CONDITION=VALUE",
@@ -134,17 +136,17 @@ def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> bool:
             refuse_unused("an index of health", ("part", "store", "seed", "fleet", "index", "settings"))
         else:
             refuse_unused("a table", (*fitted, "threshold", "threshold_deviation", "load", "fleet", "at"))
-        found, monitor = [_of_table(robot, signals, wishes)], Monitor(robot)
+        found, seen, monitor = [_of_table(robot, signals, wishes)], list[SeenWear](), Monitor(robot)
     else:
         refuse_unused(
             "recordings, whose threshold and load are in the design, at the part's `wear`",
             (*fitted, "skip_missing", "fleet"),
         )
-        found, monitor = _of_recordings(robot, signals, wishes)
+        found, seen, monitor = _of_recordings(robot, signals, wishes)
     if wishes.store:
-        monitor = Monitor(robot, kept(wishes.store, robot))
-    outlook = monitor.report(remaining_life=False).outlooks["sensor_based"]
-    lives = worn_lives(outlook, found)
+        monitor, seen = Monitor(robot, kept(wishes.store, robot)), []
+    outlook = monitor.report(remaining_life=False, wear=()).outlooks["sensor_based"]
+    lives = worn_lives(outlook, found, seen)
     done = _backtests(found, wishes) if wishes.backtest else {}
     if wishes.predictions:
         write(wishes.predictions, lives_text(list(done), lives_of(list(done.values()))))
@@ -204,11 +206,13 @@ def _conditions(stated: Sequence[str]) -> dict[str, float]:
         try:
             found[name.strip()] = float(value)
         except ValueError:
-            raise DataError(f"--at {text}: expected a condition and a number, e.g. temperature=40") from None
+            raise DataError(f"--use {text}: expected a condition and a number, e.g. temperature=40") from None
     return found
 
 
-def _of_recordings(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> tuple[list[WornMode], Monitor]:
+def _of_recordings(
+    robot: Robot, signals: Sequence[Path], wishes: Wishes
+) -> tuple[list[WornMode], list[SeenWear], Monitor]:
     """The wear by the signals that the design names; where one of several says too little, the others are told."""
     modes = worn_modes(robot, wishes.part)
     with counted(progress_console(), "reading") as advance:
@@ -221,7 +225,7 @@ def _of_recordings(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> tup
     found, missed = worn_in(history, modes, wishes.options, others)
     for one in missed:
         warn(f"{one}; it is left out")
-    return found, history.monitor
+    return found, seen_in(history, found), history.monitor
 
 
 def _print(robot: Robot, found: Sequence[WornMode], lives: Mapping[str, WornLife]) -> None:

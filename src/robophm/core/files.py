@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import errno
+import io
 import os
 import shutil
+import sys
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
+from functools import cache
 from pathlib import Path
 from typing import IO
 
@@ -27,6 +31,23 @@ def shipped(path: str) -> Path:
     raise RobophmError(f"{path} is not installed")
 
 
+STANDARD_INPUT = Path("-")
+"""The name by which commands read their standard input in place of a file."""
+
+_MOST_OF_INPUT = 1 << 27
+
+
+def stream_of(path: Path) -> AbstractContextManager[IO[bytes]]:
+    """A stream of a file's content, or of standard input where its name is "-". Raises OSError."""
+    return io.BytesIO(_standard_input()) if path == STANDARD_INPUT else path.open("rb")
+
+
+@cache
+def _standard_input() -> bytes:
+    """The content of standard input, which can be read once, kept for who reads it again; at most _MOST_OF_INPUT."""
+    return sys.stdin.buffer.read(_MOST_OF_INPUT)
+
+
 def read_at_most(path: Path, most: int) -> bytes | None:
     """The content of a file, None of one of more than so many bytes: a device never ends, whatever size it says.
 
@@ -34,7 +55,7 @@ def read_at_most(path: Path, most: int) -> bytes | None:
     """
     parts: list[bytes] = []
     left = most
-    with path.open("rb") as stream:
+    with stream_of(path) as stream:
         while part := stream.read(min(left + 1, _STEP)):  # all at once would take the memory for the most there may be
             parts.append(part)
             left -= len(part)
@@ -58,6 +79,8 @@ def replacing(path: Path) -> Iterator[IO[bytes]]:
 
     As ``write_atomically``. Raises OSError.
     """
+    if path == STANDARD_INPUT:
+        raise OSError(errno.EINVAL, "it is standard input; expected the name of a file")
     path = Path(os.path.realpath(path))
     if path.exists() and not path.is_file():
         with path.open("wb") as stream:

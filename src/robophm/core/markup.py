@@ -8,6 +8,7 @@ from pathlib import Path
 from xml.parsers import expat
 
 from robophm.core.errors import DesignError
+from robophm.core.files import stream_of
 
 MAX_BYTES = 50_000_000
 """A larger file is refused before it is parsed."""
@@ -33,7 +34,7 @@ class Element:
         return (child for child in self.children if child.tag not in ("label", "attributes"))
 
     def each(self, tag: str) -> Iterator[Element]:
-        """Its children of this tag."""
+        """Yield the children of this element that have a certain tag."""
         return (child for child in self.children if child.tag == tag)
 
     def all(self) -> Iterator[Element]:
@@ -45,7 +46,7 @@ class Element:
 
     @property
     def content(self) -> str:
-        """Its own text, without the white space around it."""
+        """The text of this element, less its children's, without white space around it."""
         return "".join(self.text).strip()
 
 
@@ -55,7 +56,7 @@ class Markup:
     def __init__(self, path: Path) -> None:
         self.name = str(path)
         try:
-            with path.open("rb") as file:
+            with stream_of(path) as file:
                 self._text = file.read(MAX_BYTES + 1)
         except OSError as error:
             raise DesignError(f"{path}: cannot be read: {error.strerror}") from None

@@ -21,11 +21,12 @@ _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)\Z",
 # What may follow the number. pint's own grammar would compute 9**9**9; this one cannot be made to work hard.
 _FACTOR = re.compile(r"\s*([*·/]?)\s*(?:(10\^-?\d{1,2}|1e-?\d{1,2}|1(?!\d))|([^\W\d]+|[%°Ω]\w?)(?:(?:\^|\*\*)(-?\d))?)")
 _DIFFERENCES = {"delta_degC": "K", "delta_degF": "delta_degF"}
-"""What a user writes for a difference of temperatures, whose 0 is no melting ice."""
+"""The unit of pint for each spelling of a difference of temperatures, which has no offset: 10 K are 10 delta_degC."""
 _TEMPERATURES = ("degC", "degF", "K", *_DIFFERENCES)
 _MISTAKEN = {"c": "degC", "f": "degF", "°": "degC", "deg": "degC", "deg c": "degC", "deg f": "degF",
              "grad": "degC"}  # fmt: skip
-"""What people write for a temperature, and units know as coulombs, farads, the speed of light, an angle or nothing."""
+"""The unit of pint for each usual misspelling of a temperature, which pint itself would take for coulombs, farads, the
+speed of light or an angle, or would not know."""
 _SPAN = 2.0**20  # wide, so that the 273.15 of a temperature costs the scale no digits
 _NAMES = ("h", "s", "min", "day", "FIT", "FPMH", "degC", "degF", "K", "V", "A", "W", "ohm", "uF", "m", "km",
           "m/s", "km/h", "cycle", "start", "percent", "eV", "Pa", "N", "rpm")  # fmt: skip

@@ -13,14 +13,14 @@ from robophm.blocks import diagram as blocks
 from robophm.core.errors import RobophmError, nearest
 from robophm.core.signal import SECOND, signal_name
 from robophm.design import schema
+from robophm.design.build_diagram import DiagramBuilder, distinguished_parts
 from robophm.design.build_mode import ModeBuilder
 from robophm.design.build_task import build_task
 from robophm.design.common_cause import CommonCauses
 from robophm.design.located_error import LocatedError, Path
 from robophm.design.robot import Component, Limits, MeasuredClock, Module, Robot, Thresholds, Usage
 from robophm.design.scope import Scope
-from robophm.design.sensor_channels import ChannelBuilder, SensorCover, assumed, undriven
-from robophm.design.wiring import Wiring, distinguished_parts
+from robophm.design.sensor_inputs import ChannelBuilder, SensorCover, assumed, undriven
 from robophm.parts import FIGURES
 from robophm.parts import part as library_part
 
@@ -61,7 +61,7 @@ class _Builder:
         design = self.design
         root = self._module((), (), design, Scope())
         groups = CommonCauses(self.components, self.modules)
-        expand = Wiring(self.modules, self.components, self.places, self.depends_on, groups.of)
+        expand = DiagramBuilder(self.modules, self.components, self.places, self.depends_on, groups.of)
         for level, said in self.modules.items():
             for name, group in said.common_causes.items():
                 place = (*self.places[level], "common_causes", name)
@@ -92,7 +92,7 @@ class _Builder:
         )
         return replace(robot, task=build_task(design.task, robot, ("task",))) if design.task else robot
 
-    def _used(self, expand: Wiring, diagrams: Sequence[blocks.Block]) -> set[str]:
+    def _used(self, expand: DiagramBuilder, diagrams: Sequence[blocks.Block]) -> set[str]:
         """The units that the diagrams draw, groups and their members too. Raises LocatedError for what none can be."""
         for diagram in diagrams:
             if blocks.drawn(diagram) > MOST_DRAWN:

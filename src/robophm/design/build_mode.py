@@ -16,7 +16,7 @@ from robophm.design.build_wear import build_wear
 from robophm.design.located_error import LocatedError, Path, quantity_at
 from robophm.design.robot import CLOCK_UNITS, UNKNOWN, Evidence, FailureMode, MeasuredClock, Stress, Uncertainty
 from robophm.design.scope import Scope
-from robophm.design.sensor_channels import ChannelBuilder, drivers
+from robophm.design.sensor_inputs import ChannelBuilder, drivers
 from robophm.hazard.acceleration import PER_CYCLE, acceleration_model, stress_inputs
 from robophm.hazard.formula import formula_model
 from robophm.hazard.handbooks import handbook_model

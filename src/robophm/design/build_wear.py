@@ -46,6 +46,7 @@ def build_wear(place: Path, said: schema.Wear, quantity: int) -> WearSignal:
         _beside((*place, "load"), said.load),
         quantity_at((*place, "threshold"), said.threshold, in_reading),
         deviation,
+        said.share,
     )
 
 

@@ -26,21 +26,21 @@ class DraftPart:
     module: str
     name: str
     entry: str
-    """Of the library."""
+    """The name of the entry of the library of parts that it is."""
     seen: str
-    """What says that it is there: a joint, a link, a topic, an answer."""
+    """The evidence that the robot has this part, in words: a joint, a link, a topic or an answer."""
     assumed: str = ""
-    """What was not known and is taken to be so; "" where nothing is."""
+    """The assumption that was made about this part, in words; "" where none was."""
     joint: str = ""
     """The joint that it moves, if it does."""
     effort: float | None = None
-    """What that joint may be driven with at most [N·m or N], if that is known."""
+    """The largest torque [N·m] or force [N] that this joint may be driven with; None where it is not known."""
     keys: Mapping[str, Any] = field(default_factory=dict)
     """Further keys of the component: quantity, signals, clocks."""
 
     @property
     def path(self) -> str:
-        """Its place in the design."""
+        """The path of this part in the design: the names of its module and itself, with / between them."""
         return f"{self.module}/{self.name}"
 
     def content(self) -> dict[str, Any]:
@@ -50,11 +50,11 @@ class DraftPart:
 
 
 ASSUMED_USAGE = {"kilometres": "1 km/h", "cycles": "10 cycle/h", "starts": "1 start/h"}
-"""What an hour of operation brings, where nothing says so."""
+"""The progress of each clock in an hour of operation that is assumed where nothing states it."""
 
 
 def assumed_usage(parts: Iterable[DraftPart]) -> dict[str, str]:
-    """Of the clocks that parts age by, how far each is assumed to go in an hour."""
+    """The assumed progress of each clock that these parts age by, in an hour of operation, as a design states usage."""
     modes = [
         mode
         for one in parts

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from robophm.core.argument_checks import path as given_path
 from robophm.core.errors import DesignError, nearest
-from robophm.core.files import read_at_most, shipped, write_atomically
+from robophm.core.files import STANDARD_INPUT, read_at_most, shipped, write_atomically
 from robophm.core.yaml_values import MAX_BYTES, Lines, located, values
 from robophm.design.robot import Robot
 
@@ -177,7 +177,7 @@ def round_trip() -> Any:
 def read(path: Path) -> str:
     """Return the text of a file of at most MAX_BYTES. Raises DesignError."""
     try:
-        if not path.exists():
+        if path != STANDARD_INPUT and not path.exists():
             beside = [other.name for other in path.parent.iterdir()] if path.parent.is_dir() else []
             suffixes = (".csv",) if path.suffix.lower() == ".csv" else (".yaml", ".yml")
             hint = nearest(path.name, [name for name in beside if name.lower().endswith(suffixes)])

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from robophm.blocks.diagram import Block
 from robophm.core.argument_checks import one_of
 from robophm.core.errors import DesignError
+from robophm.design.robot_table import robot_table
 from robophm.design.task import Plan, Task, TaskStress
 from robophm.hazard.model import Evaluation, Model
 from robophm.life.distribution import LifeDistribution
@@ -163,6 +164,13 @@ class WearSignal:
     """The threshold in the unit of the reading: the signal's; a kurtosis has none."""
     threshold_deviation: float = 0.0
     """Standard deviation of the threshold, in the same unit; 0: it is exactly known."""
+    share: float = 1.0
+    """Share of the hazard of its failure mode that the wear stands for; the rest comes by chance."""
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """Return all signals that it is made of, each once."""
+        return tuple(dict.fromkeys(one.signal for one in (self.gauge, self.ambient, self.load) if one))
 
 
 @dataclass(frozen=True)
@@ -352,6 +360,13 @@ class Robot(Module):
     """Remarks on what the design's sensors rest on, and what they do not reach."""
     design_hash: str = ""
     """SHA-256 of the design's content, to tell results of different designs apart."""
+
+    def __repr__(self) -> str:
+        counts = f"{self.part_count} parts, {len(self.modes)} failure modes, {len(self.signals)} signals"
+        return f"<Robot {self.name!r:.60}: {counts}>"
+
+    def _repr_html_(self) -> str:
+        return robot_table(repr(self)[1:-1], super().all_components(), CLOCK_UNITS)
 
     @property
     def name(self) -> str:

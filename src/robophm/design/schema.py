@@ -69,7 +69,7 @@ class PowerBinding(Strict):
     field: str = Field(min_length=1)
 
 
-class Variable(Strict):
+class FormulaVariable(Strict):
     """A number in a formula: its value by design, and the unit in which the formula takes it."""
 
     value: Written
@@ -78,7 +78,7 @@ class Variable(Strict):
     description: str = ""
 
     @model_validator(mode="after")
-    def _range_ascends(self) -> Variable:
+    def _range_ascends(self) -> FormulaVariable:
         if self.range and not self.range[0] < self.range[1]:
             raise ValueError(f"range {list(self.range)} does not ascend; expected the lower end first")
         return self
@@ -97,7 +97,9 @@ class Hazard(Strict):
         None, description="e.g. base * exp(0.05 * (temperature - 25)), of numbers, variables and exp log sqrt …"
     )
     unit: str | None = Field(None, description="of the formula's result, e.g. 1/h or FPMH")
-    variables: dict[str, Variable] = Field(default_factory=dict, description="of the formula; each may be measured")
+    variables: dict[str, FormulaVariable] = Field(
+        default_factory=dict, description="of the formula; each may be measured"
+    )
     source: str | None = Field(None, min_length=1, max_length=500, description="where the formula is from")
 
     @model_validator(mode="after")
@@ -172,7 +174,7 @@ class WearGauge(Strict):
 
 
 class Wear(Strict):
-    """A signal that shows how worn a part is, and how worn is too much; `robophm wear` reads it from recordings."""
+    """A signal that shows how worn a part is, and how worn is too much; whatever lives through its samples reads it."""
 
     topic: str = Field(min_length=1, description="e.g. /joint_states")
     field: str = Field(min_length=1, description="path of the number in the message, e.g. effort[elbow]")
@@ -187,6 +189,9 @@ class Wear(Strict):
     threshold: Written = Field(description="at which the part is worn out, e.g. 6 A; a signal that falls falls to it")
     threshold_deviation: Written | None = Field(
         None, description="how well that is known, a standard deviation, e.g. 0.3 A; default exactly"
+    )
+    share: float = Field(
+        1.0, gt=0, le=1, description="of the mode's hazard, what wear stands for; the rest comes by chance"
     )
 
     @model_validator(mode="after")
@@ -243,7 +248,8 @@ Environment = Annotated[
         {"type": "string", "description": "where it works, a symbol or word", "examples": [*ENVIRONMENTS, *WORDS]}
     ),
 ]
-"""Where parts work, the handbook's symbol; also where no model asks for it, a word that nobody knows is refused."""
+"""The symbol of MIL-HDBK-217F Table 3-2 for the environment of parts; unknown words are refused even where no model of
+these parts asks for an environment."""
 
 
 def _of_a_board(said: str) -> str:
@@ -365,7 +371,10 @@ def _or_operating_alone(schema: dict[str, Any]) -> None:
 
 
 class Usage(Strict):
-    """What an hour brings: the nominal future, on every clock; or only how much of the day it works, `8 h/day`."""
+    """Nominal use: the share of calendar time in operation, and the progress of other clocks in an hour of operation.
+
+    A text alone, `8 h/day`, is that share.
+    """
 
     model_config = ConfigDict(json_schema_extra=_or_operating_alone)
 

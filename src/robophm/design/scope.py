@@ -8,7 +8,7 @@ from typing import Any
 
 from robophm.design import schema
 from robophm.design.located_error import Path
-from robophm.design.sensor_channels import Ambient, SensorCover, ambient_of
+from robophm.design.sensor_inputs import Ambient, SensorCover, ambient_of
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,6 @@
-"""What neither a description nor a recording says, asked in at most seven questions, each with what is assumed else."""
+"""Questions, at most seven, on what neither a description nor a recording tells, each with the assumption that is made
+where nobody answers it.
+"""
 
 from __future__ import annotations
 
@@ -9,20 +11,23 @@ from robophm.core.argument_checks import shown
 from robophm.core.errors import RobophmError, nearest
 from robophm.core.units import quantity
 from robophm.design.importers.urdf import Description
-from robophm.design.importers.urdf.drives import DRIVES, LIGHT, moved
-from robophm.drafting.heard import BATTERY
+from robophm.design.importers.urdf.drives import DRIVES, LIGHT, moved, words_of
+from robophm.drafting.parts_by_topic import BATTERY
 from robophm.drafting.seen import Seen
-from robophm.hazard.environments import ENVIRONMENTS
+from robophm.hazard.environments import environment
 from robophm.parts import Entry, library, search
 
-WHERE = {
-    "indoor": "GM", "outdoor": "GM", "warehouse": "GM", "laboratory": "GB", "office": "GB", "fixed": "GF",
-    "factory": "GF", "flying": "ARW", "underwater": "NU", "ship": "NS", "space": "SF",
-}  # fmt: skip
-"""Words for where a robot works, and the environment of MIL-HDBK-217F's Table 3-2 that is nearest: what moves over
-ground is GM by the handbook's definition, indoors too."""
-
 NONE = ("none", "no", "-")
+
+PLACES = (
+    "if it moves: indoor robot, outdoor robot, flying, ship, underwater, space; if it stands still: indoor, factory"
+)
+"""Words of ``hazard.environments`` by example: that it moves is what tells them apart most."""
+
+LEGS = frozenset({"leg", "thigh", "calf", "shank", "knee", "hip", "foot", "ankle"})
+"""Words of links by which a robot walks."""
+
+ODOMETRY = "nav_msgs/Odometry"
 
 LONGEST = 1000
 """Letters of an answer."""
@@ -30,19 +35,19 @@ LONGEST = 1000
 
 @dataclass(frozen=True)
 class Answers:
-    """What somebody said of a robot; None is not answered, and then assumed."""
+    """Answers to the questions about a robot; for one that is None an assumption is made."""
 
     hours: str | None = None
-    """That it works a day: "8", "8 h"."""
+    """Hours that the robot works in a day: "8", "8 h"."""
     where: str | None = None
-    """A word of ``WHERE``, or a symbol of MIL-HDBK-217F."""
+    """A word or symbol of ``hazard.environments``: "indoor robot", "factory", "flying", "GM"."""
     battery: str | None = None
-    """In the words of ``robophm parts``, "mains" or "none"."""
+    """The battery in words by which the library of parts is searched, "mains" or "none"."""
     computer: str | None = None
     sensors: str | None = None
-    """That were not seen, apart by commas."""
+    """Sensors that no description or topic tells of, with commas between them."""
     drive: str | None = None
-    """What moves its wheels or joints: dynamixel, harmonic drive, planetary gearbox …"""
+    """The drive of its wheels or joints in words: dynamixel, harmonic drive, planetary gearbox …"""
     needs: str | None = None
     """Parts or modules without which it cannot do its task, apart by commas; "all"."""
 
@@ -67,7 +72,7 @@ class Question:
     """A question, and what is taken where nobody answers it."""
 
     key: str
-    """Of ``Answers``, and of the option ``--key``."""
+    """The name of the field of ``Answers`` that it asks for, and of the option of ``robophm new``."""
     text: str
     default: str
     because: str
@@ -76,14 +81,14 @@ class Question:
 
 @dataclass(frozen=True)
 class Known:
-    """What evidence there is when questions are asked."""
+    """The evidence of a robot: its description, if there is one, and what its recordings show."""
 
     description: Description | None
     seen: Seen
 
     @property
     def uses(self) -> frozenset[str]:
-        """What its joints are for: wheel, arm, rotor …"""
+        """The uses of its joints, by their names and types: wheel, arm, rotor …"""
         return frozenset(one.use for one in moved(self.description)) if self.description else frozenset()
 
     @property
@@ -92,9 +97,15 @@ class Known:
         return "rotor" in self.uses or any(topic.type.startswith("px4_msgs/") for topic in self.seen.topics)
 
     @property
+    def travels(self) -> bool:
+        """Whether it moves over ground: it has wheels or legs, or tells how far it came, and no rotors."""
+        legs = self.description is not None and any(LEGS & {*words_of(one.name)} for one in self.description.links)
+        return not self.flies and ("wheel" in self.uses or legs or bool(self.seen.of_type(ODOMETRY)))
+
+    @property
     def stands(self) -> bool:
-        """Whether it has joints of an arm and no wheels."""
-        return "arm" in self.uses and not {"wheel", "rotor"} & self.uses
+        """Whether it has joints of an arm and does not move from its place."""
+        return "arm" in self.uses and not self.travels and not self.flies
 
     @property
     def light(self) -> bool:
@@ -110,8 +121,7 @@ class Known:
 def questions(known: Known) -> Iterator[Question]:
     """The questions, with what is assumed in view of the evidence."""
     yield Question("hours", "How many hours a day does it work?", "8", "a working day")
-    where = ("flying", "it has rotors") if known.flies else ("indoor", "most robots work there")
-    yield Question("where", f"Where does it work ({', '.join(WHERE)})?", *where)
+    yield Question("where", f"Where does it work ({PLACES})?", *_where(known))
     yield Question("battery", "Which battery does it have (li-ion, lipo, lead acid … or mains)?", *_battery(known))
     yield Question(
         "computer", "Which computer does it have (raspberry pi, jetson, mini pc … or none)?", *_computer(known)
@@ -123,6 +133,14 @@ def questions(known: Known) -> Iterator[Question]:
                        "by names of meshes, mass and limits")  # fmt: skip
     yield Question("needs", "What must work for a task (parts or modules with commas, or all)?", "all",
                    "that fails on the safe side")  # fmt: skip
+
+
+def _where(known: Known) -> tuple[str, str]:
+    if known.flies:
+        return "flying", "it has rotors"
+    if known.stands:
+        return ("indoor", "a light arm") if known.light else ("factory", "an arm that is not light")
+    return "mobile robot", "it moves over ground" if known.travels else "most robots move over ground"
 
 
 def _battery(known: Known) -> tuple[str, str]:
@@ -151,22 +169,12 @@ def settled(answers: Answers, known: Known) -> tuple[Answers, list[tuple[Questio
 
 
 def share_of_day(hours: str) -> float:
-    """Of hours a day the share of it. Raises RobophmError."""
+    """The share of a day that an answer in hours a day is, above 0 and at most 1. Raises RobophmError for another."""
     text = hours.strip()
     value = quantity(text if any(letter.isalpha() for letter in text) else f"{text} h", "h")
     if not 0 < value <= 24:
         raise RobophmError(f"hours {hours!r:.40}: expected more than 0 and at most 24 a day")
     return value / 24
-
-
-def environment_of(where: str) -> str:
-    """The symbol of a word for a place. Raises RobophmError with the nearest known one."""
-    word = where.strip()
-    if word in ENVIRONMENTS:
-        return word
-    if word.lower() in WHERE:
-        return WHERE[word.lower()]
-    raise RobophmError(f"where {where!r:.40}: no such place{nearest(word.lower(), WHERE)}")
 
 
 def entry_called(words: str, kinds: tuple[str, ...] = (), what: str = "part") -> Entry:
@@ -181,12 +189,15 @@ def entry_called(words: str, kinds: tuple[str, ...] = (), what: str = "part") ->
 
 
 def drive_called(words: str | None) -> Entry | None:
-    """What moves wheels and joints; None where nobody said so."""
+    """The entry of the library for an answer on drives; None where it is "none" or missing.
+
+    Raises RobophmError where no drive fits the words.
+    """
     return entry_called(words, DRIVES, "drive") if words and words.lower() not in NONE else None
 
 
 def listed(text: str | None) -> list[str]:
-    """What is in a text apart by commas; nothing of "none" or "all"."""
+    """The words of an answer that has commas between them, without "none" and "all"."""
     said = [word.strip() for word in (text or "").split(",")]
     return [word for word in said if word and word.lower() not in (*NONE, "all")]
 
@@ -204,11 +215,11 @@ def asked(answers: Answers, known: Known, ask: Ask) -> Answers:
 
 
 def check(key: str, said: str) -> None:
-    """Raises RobophmError where an answer to this question cannot be one."""
+    """Refuse an answer that this question cannot have. Raises RobophmError."""
     if key == "hours":
         share_of_day(said)
     elif key == "where":
-        environment_of(said)
+        environment(said)
     elif key == "drive":
         drive_called(said)
     elif key == "battery" and said.lower() not in ("mains", *NONE):

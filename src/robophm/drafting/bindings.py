@@ -10,16 +10,21 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
+from robophm.design.importers.urdf import read_urdf
 from robophm.design.importers.urdf.drives import words_of
 from robophm.design.robot import Component, Robot
 from robophm.drafting.seen import KINDS, Seen, SeenSignal
 from robophm.parts import graded, library
 
 RATED_SHARE = 0.5
-"""Of the most that a joint may be driven with, what its gear is rated for: a limit is a peak, and strain wave gears are
-rated for two to three fifths of the peak that they bear again and again (Harmonic Drive, catalogues of CSG and CSF)."""
+"""The share of the largest effort of a joint that its gear is taken to be rated for.
+
+A limit is a peak, and strain wave gears are rated for two to three fifths of the peak that they bear again and again
+(Harmonic Drive, catalogues of CSG and CSF).
+"""
 
 STALL_SHARE = 0.2
 """The same of a servo's stall torque, as its maker wants it (entry smart_servo)."""
@@ -56,13 +61,13 @@ class Proposal:
     """A binding of a design that is not there yet, with what speaks for it."""
 
     place: tuple[str, ...]
-    """Where it belongs: ("modules", "elbow", "components", "gear", "signals", "load")."""
+    """The keys that lead to it in the design: ("modules", "elbow", "components", "gear", "signals", "load")."""
     binding: Mapping[str, Any]
-    """As a design has it."""
+    """The topic, field and further keys of the binding as a design writes them."""
     seen: str
     """The values that were seen."""
     assumed: str = ""
-    """What of it is an assumption."""
+    """The assumption that the binding rests on, in words; "" where it rests on none."""
 
     @property
     def part(self) -> str:
@@ -72,7 +77,7 @@ class Proposal:
 
     @property
     def input(self) -> str:
-        """What is bound: temperature, load, kilometres …"""
+        """The stress or clock that is bound: temperature, load, kilometres …"""
         return self.place[-1]
 
     @property
@@ -106,8 +111,14 @@ def proposals(robot: Robot, seen: Seen, efforts: Mapping[str, float] | None = No
     return found, list(dict.fromkeys(notes))
 
 
+def limits_of(urdf: Path | None) -> dict[str, float]:
+    """The most that each joint of a description may be driven with [N·m or N]; of none nothing. Raises DesignError."""
+    efforts = {joint.name: joint.effort for joint in read_urdf(urdf).joints} if urdf else {}
+    return {name: effort for name, effort in efforts.items() if effort > 0}
+
+
 def place_of(part: Component) -> tuple[str, ...]:
-    """Where a part stands in a design's document."""
+    """The keys that lead to a part in a design: ("modules", "elbow", "components", "gear")."""
     *modules, name = part.path.split("/")
     return (*(step for module in modules for step in ("modules", module)), "components", name)
 

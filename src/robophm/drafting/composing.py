@@ -1,4 +1,4 @@
-"""From evidence and answers to the parts of a draft, and changes that somebody makes to them."""
+"""The parts of a draft, from evidence and answers, with the changes that somebody asks for."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from robophm.core.errors import RobophmError, nearest
 from robophm.design.draft import DraftPart
 from robophm.design.importers.urdf import described_parts
 from robophm.drafting.answers import NONE, Answers, Known, battery_called, drive_called, entry_called, listed
-from robophm.drafting.heard import FUSED, heard_parts
+from robophm.drafting.parts_by_topic import FUSED, parts_by_topic
 from robophm.parts import part
 
 _PACKS = ("battery_li_ion", "battery_lfp")
@@ -21,9 +21,9 @@ class Change:
     """A part that somebody wants to be another entry of the library, to be added, or to be left out."""
 
     part: str
-    """Its path or name; where there is none of it, a new part."""
+    """The path or name of the part; a part is added where the draft has none of that name."""
     words: str
-    """What it is, as ``robophm parts`` takes it; "none" leaves it out."""
+    """The words by which its entry is searched in the library; "none" leaves the part out."""
 
 
 def change_of(text: str) -> Change:
@@ -37,7 +37,7 @@ def change_of(text: str) -> Change:
 def composed(known: Known, answers: Answers, changes: Sequence[Change] = ()) -> list[DraftPart]:
     """The parts of a robot: what its description and its topics tell of, and what the answers add."""
     described = described_parts(known.description, drive_called(answers.drive)) if known.description else []
-    parts = [*heard_parts(known.seen, described)]
+    parts = [*parts_by_topic(known.seen, described)]
     parts += _supplied(known, answers)
     parts += _computing(known, answers, parts)
     for words in listed(answers.sensors):
@@ -55,7 +55,7 @@ def composed(known: Known, answers: Answers, changes: Sequence[Change] = ()) -> 
 
 def left_to_others(known: Known, answers: Answers) -> Iterator[str]:
     """Sensors that are taken to be inside another part, in words."""
-    names = {one.entry for one in [*heard_parts(known.seen, []), *_computing(known, answers, [])]}
+    names = {one.entry for one in [*parts_by_topic(known.seen, []), *_computing(known, answers, [])]}
     if known.description:
         names |= {one.entry for one in described_parts(known.description)}
     for whole, inside in FUSED.items():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -19,15 +19,19 @@ from robophm.design.importers.bom import import_bom
 from robophm.design.importers.urdf import read_urdf
 from robophm.design.naming import design_name, printable
 from robophm.design.robot import Robot
-from robophm.drafting.answers import Answers, Known, Question, environment_of, listed, settled, share_of_day
+from robophm.drafting.answers import Answers, Known, Question, listed, settled, share_of_day
 from robophm.drafting.bindings import Proposal, proposals
 from robophm.drafting.composing import Change, composed, left_to_others
 from robophm.drafting.seen import look
 from robophm.drafting.tasks import SeenTask, driven, tasks_seen, tasks_text
+from robophm.hazard.environments import environment, explained
 from robophm.parts import part as entry_of
 
 FUNCTION = "task"
 """The name of what must work for a task, where that is not everything."""
+
+STANDING = ("GB", "GF")
+"""Environments of what stands still."""
 
 OF_HANDBOOK = 3
 """Error factor of what a handbook says of a part on a list."""
@@ -47,17 +51,19 @@ class Draft:
     """A design that is drafted, and what it rests on; nothing of it is written yet."""
 
     text: str
-    """Of the design file."""
+    """The text of the design file."""
     robot: Robot
     parts: tuple[DraftPart, ...]
-    """By the description, the topics and the answers; those of parts lists are in the text alone."""
+    """The parts that the description, topics and answers tell of; those of parts lists are in ``text`` alone."""
     bound: tuple[Proposal, ...]
     """The signals that it listens to."""
     unbound: tuple[str, ...]
     """Why other inputs have none."""
+    doubts: tuple[str, ...]
+    """Answers that do not go with what is seen, in words."""
     tasks: tuple[SeenTask, ...]
     assumptions: str
-    """A page of Markdown."""
+    """The page of everything that was assumed, as Markdown."""
     known: Known
 
     @property
@@ -67,7 +73,10 @@ class Draft:
 
 
 def evidence(urdf: Path | None = None, recordings: Sequence[Path] = ()) -> Known:
-    """What a description and recordings tell. Raises DesignError or SourceError of what cannot be read."""
+    """Read a robot's URDF, if there is one, and look through its recordings.
+
+    Raises DesignError or SourceError for a file that cannot be read.
+    """
     return Known(read_urdf(urdf) if urdf else None, look(recordings))
 
 
@@ -101,7 +110,7 @@ def new(
 def drafted(
     known: Known, answers: Answers, changes: Sequence[Change], parts_lists: Mapping[str, str | Path], *, name: str = ""
 ) -> Draft:
-    """As ``new``, of evidence that has been read already."""
+    """Draft a design as ``new`` does, from evidence that has been read already. Raises RobophmError as it does."""
     said, assumed = settled(answers, known)
     parts = composed(known, said, changes)
     tasks = tasks_seen(known.seen)
@@ -122,16 +131,17 @@ def drafted(
         text, said_of = _with_list(text, Path(source), module, keys["environment"])
         lists.append(said_of)
     robot = parse(text, "the draft")
-    page = _page(robot, parts, bound, unbound, assumed, [*of_keys, *left_to_others(known, said)], lists)
-    return Draft(text, robot, tuple(parts), tuple(bound), tuple(unbound), tuple(tasks), page, known)
+    doubts = tuple(_doubts(known, said))
+    page = _page(robot, parts, bound, unbound, assumed, [*doubts, *of_keys, *left_to_others(known, said)], lists)
+    return Draft(text, robot, tuple(parts), tuple(bound), tuple(unbound), doubts, tuple(tasks), page, known)
 
 
 def _head(answers: Answers, changes: Sequence[Change]) -> list[str]:
     given = {key: text for key, text in asdict(answers).items() if text is not None}
     given |= {"changes": [f"{one.part}={one.words}" for one in changes]} if changes else {}
     return [
-        "Drafted by robophm new. What of it is assumed stands in assumptions.md; correct what is not so: a part",
-        "that you edited is yours, and robophm new --update leaves it as it is.",
+        "Drafted by `robophm new`. What of it is assumed stands in assumptions.md; correct what is not so: a part",
+        "that you edited is yours, and `robophm new --update` leaves it as it is.",
         ANSWERED + json.dumps(given, ensure_ascii=False),
     ]
 
@@ -151,9 +161,9 @@ def _robot_keys(
         else:
             usage[clock] = pace
             notes.append(f"usage: {pace}, assumed")
-    keys: dict[str, Any] = {
-        "name": design_name(stated), "environment": environment_of(answers.where or "indoor"), "usage": usage,
-    }  # fmt: skip
+    where = environment(answers.where or "mobile robot")
+    notes.append(f"environment: {explained(where)}")
+    keys: dict[str, Any] = {"name": design_name(stated), "environment": where, "usage": usage}
     leg: dict[str, Any] = dict(tasks[len(tasks) // 2].leg()) if tasks else {"duration": "1 h"}
     if not tasks:
         notes.append("task: an hour of work, assumed: no recording shows one")
@@ -163,6 +173,15 @@ def _robot_keys(
     else:
         keys["task"] = leg
     return keys, notes
+
+
+def _doubts(known: Known, answers: Answers) -> Iterator[str]:
+    """What somebody said that does not go with what is seen, in words."""
+    said = (answers.where or "").strip()
+    where = environment(said)
+    if (known.travels or known.flies) and where in STANDING and said != where:
+        better = "'flying' (ARW)" if known.flies else "'mobile robot' (GM)"
+        yield f"where {said!r:.40} is {explained(where)}; this robot moves: {better} is what the handbook has for it"
 
 
 def _drawn(word: str, parts: Sequence[DraftPart]) -> str:

@@ -12,9 +12,9 @@ from robophm.design.robot import FailureMode, Robot
 from robophm.design.task import Leg, Task
 from robophm.drafting.bindings import inputs_of
 from robophm.health.drawn_rates import draw_rates
-from robophm.health.knowing import LargestUnknown, Ranges, largest_unknowns, ranges
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
+from robophm.health.rate_sensitivity import LargestUnknown, Ranges, largest_unknowns, ranges
 from robophm.health.report import HealthReport
 from robophm.health.uncertainty import DRAWS, Interval, weighted_interval
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
@@ -37,7 +37,7 @@ class FirstLook:
     unknowns: tuple[LargestUnknown, ...]
     left_out: PartsOfUnknownRate | None
     report: HealthReport | None
-    """After the recordings; None where there are none, or nothing is bound."""
+    """The health of the robot after its recordings; None where there are none, or no signal is bound."""
 
 
 def first_look(robot: Robot, recordings: Sequence[Path] = (), *, most: int = 3) -> FirstLook:
@@ -64,7 +64,7 @@ class PartFigures:
     path: str
     quantity: int
     entry: str
-    """Of the library; "" where it has a rate of its own."""
+    """The name of its entry in the library of parts; "" where its rate is from elsewhere."""
     grade: str
     source: str
     rate: Interval
@@ -72,9 +72,9 @@ class PartFigures:
     stated: float
     """The rate as stated, of which the range is."""
     stresses: tuple[str, ...]
-    """What it answers to."""
+    """Names of the stresses and clocks that its hazard rate depends on."""
     signals: tuple[str, ...]
-    """What of that is measured."""
+    """Names of the signals that these are measured by."""
 
 
 def part_figures(robot: Robot) -> list[PartFigures]:

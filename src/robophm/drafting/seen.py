@@ -1,16 +1,15 @@
-"""What recordings show of a robot: topics with types and rates, and values of the signals that could be bound."""
+"""Recordings at a glance: their topics with types and rates, and values of the signals that a design could bind."""
 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 from robophm.core.errors import SourceError, UnitError
-from robophm.core.signal import SECOND, signal_name
+from robophm.core.signal import SECOND, bracketed, signal_name, steps_of
 from robophm.core.units import quantity
 from robophm.design.importers.urdf.drives import words_of
 from robophm.measured.overview import Overview, overview, per_second
@@ -19,7 +18,7 @@ from robophm.measured.statistics import statistics_of
 from robophm.transports.signals.message_units import field_unit
 
 MOST_SIGNALS = 300
-"""Of which values are looked at: of more, the first."""
+"""The largest number of signals whose values are read; further ones are left out, and a note says so."""
 
 HELD = 60 * SECOND
 """How long a value holds, for means."""
@@ -34,7 +33,6 @@ KINDS = {
 """Stresses that parts answer to, by the words that name them in fields and elements."""
 
 _UNITS = {"temperature": "degC", "load": "N*m", "voltage": "V", "current": "A", "humidity": ""}
-_VALUED = re.compile(r"(^|\.)values\[[^\]]*\]$")
 
 
 @dataclass(frozen=True)
@@ -78,12 +76,11 @@ class SeenSignal:
     @property
     def element(self) -> str:
         """The name of its element, of an array: elbow."""
-        found = re.findall(r"\[([^\]]+)\]", self.field)
-        return found[0] if found else ""
+        return next((str(step.element) for step in steps_of(self.field) if step.element is not None), "")
 
     @property
     def values(self) -> str:
-        """What was seen, in words."""
+        """The range of its values and their number, in words."""
         if not self.samples:
             return "no value seen"
         unit = f" {self.unit}" if self.unit else ""
@@ -92,7 +89,7 @@ class SeenSignal:
 
 @dataclass(frozen=True)
 class Seen:
-    """What recordings hold, at a glance."""
+    """Topics and signals of some recordings, with notes on what was not looked at."""
 
     recorded: tuple[Recorded, ...]
     topics: tuple[SeenTopic, ...]
@@ -108,7 +105,10 @@ NOTHING = Seen((), (), ())
 
 
 def look(paths: Sequence[Path]) -> Seen:
-    """What recordings, or folders of them, hold. Raises SourceError."""
+    """Look through recordings, or folders of them, without reading more values than the signals need.
+
+    Raises SourceError where one cannot be read.
+    """
     if not paths:
         return NOTHING
     found = recordings(paths)
@@ -125,10 +125,12 @@ def _signals(one: Overview) -> Iterator[SeenSignal]:
     """The signals of a recording that could be bound: by the words and units of fields and of their elements."""
     for topic in one.topics:
         fields = [(field, topic.fields[field]) for field in topic.fields if "[]" not in field]
+        inner = " ".join(topic.names)  # what has arrays of its own is no number
         for array, names in topic.names.items():
             for name in names:
-                field = f"{array[:-1]}{_quoted(name)}]"
-                fields.append((f"{field}.value" if _is_key_value(topic.type, field) else field, None))
+                field = f"{array[:-1]}{bracketed(name)}]"
+                if f"{field}." not in inner:
+                    fields.append((f"{field}.value" if _is_key_value(topic.type, array) else field, None))
         for field, unit in fields:
             if field.startswith("header."):
                 continue
@@ -137,19 +139,19 @@ def _signals(one: Overview) -> Iterator[SeenSignal]:
                 yield SeenSignal(topic.name, field, kind, _UNITS.get(kind, "") if unit is None else unit)
 
 
-def _quoted(name: str) -> str:
-    return f"'{name}'" if name.isdecimal() else name
-
-
-def _is_key_value(type_: str, field: str) -> bool:
-    return type_.replace("/msg/", "/") == "diagnostic_msgs/DiagnosticArray" and bool(_VALUED.search(field))
+def _is_key_value(type_: str, array: str) -> bool:
+    return type_.replace("/msg/", "/") == "diagnostic_msgs/DiagnosticArray" and array.endswith(".values[]")
 
 
 def _kind(topic: str, type_: str, field: str, unit: str | None) -> str:
-    last = words_of(re.split(r"\.(?![^\[]*\])", field.removesuffix(".value"))[-1])
+    *_, last_step = steps_of(field.removesuffix(".value"))
+    last = words_of(f"{last_step.field} {last_step.element or ''}")
     if unit == "degC":
         return "temperature"
-    if field.startswith("position[") and type_.endswith("/JointState"):
+    if type_.endswith(("/JointState", "/DynamicJointState")) and "position" in (
+        steps_of(field)[0].field,
+        last_step.element,
+    ):
         return "position"
     if type_.replace("/msg/", "/").startswith("std_msgs/"):
         last = words_of(topic.rpartition("/")[2])  # its only field says nothing

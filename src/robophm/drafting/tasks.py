@@ -19,7 +19,7 @@ MOST = 3
 """Tasks of a draft: the shortest, the middle one and the longest."""
 
 MOST_RECORDINGS = 20
-"""That are looked into for tasks."""
+"""The largest number of recordings that are searched for tasks."""
 
 
 @dataclass(frozen=True)
@@ -27,27 +27,27 @@ class SeenTask:
     """A task as it was done."""
 
     distance: float
-    """[m]; 0 where nothing tells of it."""
+    """The distance that was driven [m]; 0 where nothing tells of it."""
     duration: float
-    """[h]"""
+    """The time that the task took [h]."""
     told_by: str
     """The recording, and what in it."""
 
     @property
     def name(self) -> str:
-        """What it is called: "12.3 m in 45 s"."""
+        """The name of the task by its distance and duration: "12.3 m in 45 s"."""
         seconds = self.duration * 3600
         span = f"{seconds:.0f} s" if seconds < 600 else f"{seconds / 60:.0f} min"
         return f"{self.distance:.3g} m in {span}" if self.distance else f"work for {span}"
 
     def leg(self) -> dict[str, str]:
-        """As a leg of a design or task file."""
+        """Return the task as a leg of a design or task file."""
         far = {"distance": f"{self.distance:.6g} m"} if self.distance else {}
         return {**far, "duration": f"{self.duration * 3600:.6g} s"}
 
 
 def tasks_seen(seen: Seen) -> list[SeenTask]:
-    """At most MOST tasks, the shortest first, and each as long as another only once."""
+    """The tasks that recordings show, at most ``MOST``, the shortest first; of several with one name there is one."""
     found = [one for recorded in seen.recorded[:MOST_RECORDINGS] for one in _of(recorded, seen) if one.duration > 0]
     each = list({one.name: one for one in sorted(found, key=lambda one: one.duration)}.values())
     return each if len(each) <= MOST else [each[0], each[len(each) // 2], each[-1]]

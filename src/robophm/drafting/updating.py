@@ -24,7 +24,7 @@ _HEAD = re.compile(rf"^# ({re.escape(ANSWERED)}|{re.escape(DRAFTED)})(.*)$", re.
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a part or key of the design."""
+    """The outcome of an update for one part or key of the design."""
 
     state: State
     name: str
@@ -40,7 +40,7 @@ class Updated:
 
 
 def earlier_answers(text: str) -> dict[str, Any]:
-    """What was answered when a design was drafted; {} where it does not say so. Raises DesignError."""
+    """Answers that a drafted design keeps in its head; {} where there are none. Raises DesignError for garbled ones."""
     return dict(_told(text, ANSWERED, {}))
 
 

@@ -37,7 +37,7 @@ class AgeingMode:
 
     life: LifeDistribution
     speed: float = 1.0
-    """[unit of its clock per hour]"""
+    """The progress of its clock in an hour [unit of its clock per hour]."""
     age: float = 0.0
     """Age at the start [unit of its clock]; of a part that stands alone its life before counts too."""
     multiplicity: float = 1.0

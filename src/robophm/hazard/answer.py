@@ -39,6 +39,16 @@ class Answer:
     factors: tuple[FactorValue, ...]
     """Factors in the order of the formula."""
 
+    @property
+    def unit(self) -> str:
+        """Return the unit of the value."""
+        return self.model.unit
+
+    def __repr__(self) -> str:
+        return (
+            f"<Answer {self.value:.6g} {self.unit or 'times'} by {self.model.name}, {len(self.assumed)} inputs assumed>"
+        )
+
 
 def answer(model: Model, given: Mapping[str, object]) -> Answer:
     """The answer for inputs as written ('60 degC', 'CDR'). Raises ModelError and UnitError as ``Model.settle``."""

@@ -1,4 +1,4 @@
-"""Where a part works: the environments of MIL-HDBK-217F Table 3-2, what they mean, and what people call them.
+"""The environments of MIL-HDBK-217F Table 3-2 in which parts work, with their meaning for robots and usual words.
 
 This is the one table of them: designs, commands and every model that asks for an environment take its words.
 """
@@ -20,11 +20,11 @@ class Environment(NamedTuple):
     """A row of Table 3-2."""
 
     name: str
-    """As the handbook has it: Ground, Benign."""
+    """The handbook's name of the environment: Ground, Benign."""
     meaning: str
-    """In plain words, for robots."""
+    """A description in plain words, for robots."""
     words: tuple[str, ...]
-    """What people say for it."""
+    """Words by which people call this environment; each is taken for its symbol."""
 
 
 ENVIRONMENTS: Mapping[str, Environment] = {
@@ -80,7 +80,7 @@ ENVIRONMENTS: Mapping[str, Environment] = {
     ),
     "CL": Environment("Cannon, Launch", "in a shell that is shot", ("cannon", "cannon launch", "shell")),
 }  # fmt: skip
-"""By symbol. A mobile robot is GM by the handbook's definition: wheeled, tracked or carried."""
+"""The environments by symbol. A mobile robot is GM by the handbook's definition: wheeled, tracked or carried."""
 
 _NAMES = {option: re.sub(r"[^a-z]+", " ", entry.name.lower()) for option, entry in ENVIRONMENTS.items()}
 
@@ -101,7 +101,7 @@ def environment(said: str) -> str:
 
 
 def explained(symbol: str) -> str:
-    """What a symbol means, in a sentence's part: "GM (Ground, Mobile: on wheels …)"."""
+    """A symbol with its meaning in brackets, as part of a sentence: "GM (Ground, Mobile: on wheels …)"."""
     entry = ENVIRONMENTS[symbol]
     return f"{symbol} ({entry.name}: {entry.meaning})"
 

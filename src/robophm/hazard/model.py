@@ -211,6 +211,9 @@ class Model:
     description: str = ""
     """Title: the first line of its file, or what follows the formula."""
 
+    def __repr__(self) -> str:
+        return f"<Model {self.name}: {self.formula}>"
+
     @cached_property
     def numbers(self) -> Mapping[str, Range]:
         """The inputs that are numbers, and so can be measured."""

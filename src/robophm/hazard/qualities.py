@@ -23,7 +23,7 @@ QUALITIES: Mapping[str, str] = {
     "51.1 as good as military ones, and chip resistors, ceramic chip and solid tantalum capacitors ten times as good",
     "military": "by military specification and qualified to it",
 }
-"""What is said of all parts of a robot or board, and what that means."""
+"""The words for the quality of all parts of a robot or board, each with its meaning."""
 
 _MIL = "mil_hdbk_217f."
 _TEN_TIMES = {
@@ -33,7 +33,7 @@ _TEN_TIMES = {
 """Rules 2.1.4-1 and 2.1.5-1: πQ 0.1; of CWR from 0.1 µF on, which those of fewer are not told from here."""
 
 _NOT_IN_VITA = frozenset({f"{_MIL}{name}" for name in ("coil", "transformer", "circuit_breaker", "connector_socket")})
-"""Of which the rules say nothing: their own level stays."""
+"""Models of parts that the rules of ANSI/VITA 51.1 do not mention, so that their own level stays."""
 
 _MILITARY = ("JANTX", "MIL-SPEC", "M", "B")
 """The level by which πQ is 1 (of relays 1.5): the first that a model has."""

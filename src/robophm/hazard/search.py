@@ -44,7 +44,7 @@ def find_models(kind: str | None = None) -> dict[str, Model]:
         raise PlugError(f"no hazard model of '{kind}'{nearest(kind.lower(), known, ())}")
 
     def how(name: str) -> int:
-        """By its own name, by that of a choice that it has, or only in its description."""
+        """Rank how a model matches: 0 by its own name, 1 by the name of a choice of its, 2 by its description."""
         said = (name.replace("_", " ").replace(".", " "), _names(name, models[name]))
         return next((i for i, text in enumerate(said) if all(one.search(text) for one in wanted)), len(said))
 

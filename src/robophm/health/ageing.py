@@ -36,8 +36,18 @@ class Ageing(Condition):
         ``advance`` of each clock, and the same times its stress, have shape (modes of the robot, steps, ...). Rates
         are as stated unless ``ratios`` to them are given, shape (these modes, draws): the axis after the steps.
         """
-        parts = self._increments(modes, advance, effective, ratios)
+        parts = self._with_wear(modes, self._increments(modes, advance, effective, ratios), advance, effective)
         return np.concatenate((parts, self.groups_steps(modes, effective))) if len(modes.groups) else parts
+
+    def _with_wear(self, modes: Modes, own: Array, advance: Array, effective: Array) -> Array:
+        """What steps add by the modes' own hazards, with the wear that is seen in its place."""
+        for row, wear in self._wear_of(modes):
+            i = modes.modes[row]
+            step = (effective if self.plant.by_age[i] else advance)[i]
+            begun = np.zeros_like(step)
+            np.cumsum(step[:-1], axis=0, out=begun[1:])
+            own[row] = wear.added(own[row], begun, step)
+        return own
 
     def groups_steps(self, parts: Modes, effective: Array) -> Array:
         """Return the cumulative hazard that successive steps add to dependent groups; shape (groups, steps, ...).
@@ -74,6 +84,18 @@ class Ageing(Condition):
         ratios = np.ones((len(modes.modes), 1)) if ratios is None else ratios
         if not len(ratios):
             return lambda hours: np.empty((0, len(hours), ratios.shape[1]))
+        own = self._own_along(modes, future, ratios)
+        if not self._wear_of(modes):
+            return own
+
+        def with_wear(hours: Array) -> Array:
+            steps = (one[:, None, :, None] for one in future.at(hours))
+            return self._with_wear(modes, own(hours)[:, None], *steps)[:, 0]
+
+        return with_wear
+
+    def _own_along(self, modes: Modes, future: Future, ratios: Array) -> Callable[[Array], Array]:
+        """The same by the modes' own hazards."""
         if future.changeless:
             return self._along_steady(modes, future, ratios)
         weighing = ~self.plant.by_age[modes.modes]
@@ -132,7 +154,8 @@ class Ageing(Condition):
 
     def _since_new_steps(self, parts: Parts, advance: Array, effective: Array) -> Array:
         """The cumulative hazard added to modes and to groups of whose members nothing is known."""
-        more = self._increments(parts, advance[:, None], effective[:, None])[:, 0]
+        steps = advance[:, None], effective[:, None]
+        more = self._with_wear(parts, self._increments(parts, *steps), *steps)[:, 0]
         for i in parts.groups:
             more = np.vstack((more, self._since_new[i].to(effective[self.plant.groups[i].modes])))
         return more
@@ -147,6 +170,12 @@ class Ageing(Condition):
         age = self.age[m, None] + np.where(self.plant.by_age[m, None], effective[m], advance[m])
         speed = pace[m, None]
         hazard = np.where(speed > 0, finite(parts.lives.hazard(age)) * speed, 0.0)
+        if wears := self._wear_of(parts):
+            lived = self._increments(parts, advance[:, None], effective[:, None])[:, 0]
+        for row, wear in wears:
+            i = m[row]
+            gone, at = (effective[i], pace[i]) if self.plant.by_age[i] else (advance[i], self.future.usage[i])
+            hazard[row] = wear.hazard(hazard[row], lived[row], gone, np.asarray(at))
         for i in parts.groups:
             modes = self.plant.groups[i].modes
             hazard = np.vstack((hazard, finite(groups[int(i)].rate(effective[modes], pace[modes]))))

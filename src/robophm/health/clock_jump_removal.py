@@ -50,6 +50,9 @@ def take_out_jump(robot: Robot, ledger: Ledger) -> RemovedJump | None:
     ledger.last = {key: (min(time, before), values) for key, (time, values) in ledger.last.items()}
     ledger.seen = {key: seen._replace(time=min(seen.time, before)) for key, seen in ledger.seen.items()}
     ledger.replaced = {key: min(time, before) for key, time in ledger.replaced.items()}
+    for mode in robot.modes:
+        if mode.wear and mode.key in ledger.wear:
+            ledger.wear[mode.key].until(before, mode.wear.every)
     ledger.services = [service._replace(time=min(service.time, before)) for service in ledger.services]
     return RemovedJump(before, until, sum(step.operating for step in gone))
 

@@ -20,6 +20,7 @@ from robophm.health.dependent_group import DependentGroup
 from robophm.health.future import Future
 from robophm.health.group_state import GroupState
 from robophm.health.plant import Modes, Parts, Plant, column, finite
+from robophm.health.wear_to_come import WearToCome
 
 Array = npt.NDArray[np.float64]
 
@@ -51,6 +52,8 @@ class Condition:
     knowledge: Knowledge = field(default_factory=Knowledge)
     plan: Future | None = None
     """The planned future that remaining life follows in place of ``future``, where there is a plan."""
+    worn: Mapping[int, WearToCome] = field(default_factory=dict)
+    """Wear of failure modes, by their index, which is in the place of their own hazard."""
 
     @cached_property
     def _working(self) -> npt.NDArray[np.bool_]:
@@ -129,7 +132,19 @@ class Condition:
         m = parts.modes
         speed = self.factor_now * self.usage_now
         hazard = np.where(speed[m] > 0, finite(parts.lives.hazard(self.age[m])) * speed[m], 0.0)
+        nothing = np.zeros(1)
+        for row, wear in self._wear_of(parts):
+            i = m[row]
+            pace = np.where(self.plant.by_age[i], speed[i], self.usage_now[i])
+            hazard[row] = wear.hazard(hazard[row : row + 1], nothing, nothing, pace)[0]
         return np.append(hazard, self.groups_rates_now(parts))
+
+    def _wear_of(self, modes: Modes) -> list[tuple[int, WearToCome]]:
+        """The rows of modes whose wear is seen, and their wear."""
+        if not self.worn:
+            return []
+        rows = np.flatnonzero(np.isin(modes.modes, list(self.worn))).tolist()
+        return [(row, self.worn[int(modes.modes[row])]) for row in rows]
 
     def groups_rates(self, parts: Parts) -> Array:
         """Hazard of groups of dependent parts [1/h of operation], of whose members nothing is known; (groups,)."""

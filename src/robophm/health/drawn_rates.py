@@ -20,21 +20,22 @@ def draw_rates(plant: Plant, count: int, seed: int) -> Array:
 
     Each is drawn evenly from its distribution (McKay, Beckman and Conover 1979) and on its own: another part in the
     design changes nothing. What a common cause takes from a part has that part's rate; parts of one entry of the
-    library have one (``ignorance``).
+    library have one (``state_of_knowledge``).
     """
     ratios = np.ones((len(plant.robot.modes), count))
     for i, mode in enumerate(plant.robot.modes):
         if mode.uncertainty:
-            random = np.random.default_rng([seed, *ignorance(mode).encode()])
+            random = np.random.default_rng([seed, *state_of_knowledge(mode).encode()])
             ratios[i] = _ratio(mode.uncertainty, (random.permutation(count) + random.random(count)) / count)
     return ratios
 
 
-def ignorance(mode: FailureMode) -> str:
-    """What it is that is not known of a rate: equal for modes whose rates are one unknown.
+def state_of_knowledge(mode: FailureMode) -> str:
+    """A key of the uncertainty of a rate: failure modes with equal keys share one unknown, and so one draw.
 
     An entry of the library says of a kind of part how often it fails. Where that is three times off, it is so for all
-    parts of that entry, until the field has said something of one.
+    parts of that entry, until the field has said something of one (state-of-knowledge correlation: Apostolakis and
+    Kaplan, Reliability Engineering 2, 1981).
     """
     if mode.evidence or not graded(mode.source):
         return mode.origin

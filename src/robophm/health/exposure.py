@@ -20,7 +20,8 @@ from robophm.health.clock import Clock
 from robophm.health.ledger import RECENT, Ledger, Step, Total
 from robophm.health.sample_stretch import Flags, Observed, SampleStretch, SignalSubset
 from robophm.health.stress_groups import StressGroup, StressGroups, channel_key
-from robophm.health.window import Array, Columns, Window
+from robophm.health.wear_readings import Ageing, take_samples
+from robophm.health.window import Array, Columns, Times, Window
 
 EACH = 2_500
 """Samples per bundle of signals beyond which bundles are integrated one by one, so that their arrays stay in cache."""
@@ -58,6 +59,7 @@ class ExposureIntegrator:
         self._whole = StressGroups(self.groups, channels, tuple(clock for clock in self.clocks if clock.measured))
         self.initial = np.array([mode.initial_exposure for mode in self.modes])
         self._by_hazard = [mode.scaling == "hazard" for mode in self.modes]
+        self._wears = [(i, mode.key, mode.wear) for i, mode in enumerate(self.modes) if mode.wear]
 
     def integrate(self, ledger: Ledger, samples: Sequence[Sample], until: int, duty: Array | None = None) -> None:
         """Carry the ledger on to ``until`` [ns] with samples that are sorted and not later than it.
@@ -90,6 +92,7 @@ class ExposureIntegrator:
             part.let_go()
         operating, calendar = stretch.operating.between(stretch.bounds) / HOUR, np.diff(stretch.bounds) / HOUR
         clocks = np.stack([operating, calendar, *(went.clocks[clock] for clock in self.odometers)], 1)
+        self._read_wear(ledger, columns, np.array(stretch.bounds), duty * age, duty * effective)
         totals = ledger.age, ledger.effective, ledger.hazard, ledger.clocks
         Total.add_each(totals, (duty * age, duty * effective, hazard, clocks))
         for period, end in enumerate(stretch.bounds[1:].tolist()):
@@ -97,6 +100,20 @@ class ExposureIntegrator:
             hours = float(calendar[period]), float(operating[period])
             ledger.remember(Step(end, *hours, age[period].copy(), effective[period].copy(), means))
         stretch.close(parts)
+
+    def _read_wear(self, ledger: Ledger, columns: Columns, bounds: Times, age: Array, effective: Array) -> None:
+        """Take in what signals of wear said over periods, before their ages are in the ledger."""
+        some = [one for one in self._wears if any(len(columns[s][0]) for s in one[2].signals if s in columns)]
+        if not some:
+            return
+        modes = [i for i, *_ in some]
+        both = (ledger.age, age), (ledger.effective, effective)
+        begun = [_begun(total, modes, more[:, modes]) for total, more in both]
+        how = [
+            Ageing(bounds, np.stack([one[:, k] for one in begun]), np.stack([age[:, i], effective[:, i]]))
+            for k, i in enumerate(modes)
+        ]
+        take_samples(ledger.wear, [(key, wear) for _, key, wear in some], columns, how)
 
     @cached_property
     def _apart(self) -> tuple[StressGroups, ...]:
@@ -130,7 +147,7 @@ class ExposureIntegrator:
                 part.extrapolated.update({self.modes[i].path: over for i in members})
         if by_hazard:
             modes = [i for i, *_ in by_hazard]
-            begun = _begun(ledger, modes, went.age[:, modes] * duty[modes])
+            begun = _begun(ledger.age, modes, went.age[:, modes] * duty[modes])
         for column, (i, grid, steps, factor) in enumerate(by_hazard):
             start = np.repeat(self._initial(ledger, i) + begun[:, column], grid.counts) + duty[i] * grid.running(steps)
             increments = self.modes[i].life.increment(start, duty[i] * steps)
@@ -232,9 +249,9 @@ def _with_recent(start: int, ends: Sequence[int]) -> list[int]:
     return cut
 
 
-def _begun(ledger: Ledger, modes: Sequence[int], age: Array) -> Array:
+def _begun(sums: Total, modes: Sequence[int], age: Array) -> Array:
     """The age of some modes when each period begins, from what each period adds; shape (periods, modes)."""
-    total, begun = Total(ledger.age.high[modes], ledger.age.low[modes]), np.empty(age.shape)
+    total, begun = Total(sums.high[modes], sums.low[modes]), np.empty(age.shape)
     for period, more in enumerate(age):
         begun[period] = total.value
         total.add(more)

@@ -15,6 +15,7 @@ from robophm.core.argument_checks import number
 from robophm.health.outlooks import View
 from robophm.health.prognosis import Outlook
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
+from robophm.health.worn import believed
 
 Array = npt.NDArray[np.float64]
 
@@ -44,7 +45,7 @@ class FailuresToCome:
     """The failures to come of a robot, given what is known now; the shares of each view add up to 1."""
 
     horizon: float
-    """[h of calendar time] from now on."""
+    """The time from now on in which failures are looked for [h of calendar time]."""
     stated: bool
     """Whether the horizon was asked for; else it is the robot's sensor-based median remaining life."""
     operating: float
@@ -77,7 +78,9 @@ def failures_to_come(
     parts = [*((part.quantity, False) for part in plant.components), *((1, True) for _ in plant.groups)]
     shares = {view: caused / fails if fails > 0 else np.full(len(caused), math.nan)
               for view, (caused, fails) in each.items()}  # fmt: skip
-    rated = [not all(mode.unknown for mode in part.modes) for part in plant.components] + [True] * len(plant.groups)
+    seen = believed(lived)
+    rated = [not all(mode.unknown and mode.path not in seen for mode in part.modes) for part in plant.components]
+    rated += [True] * len(plant.groups)
     drawn = [i for i in np.unique(plant.component_of[plant.system(diagram).units]).tolist() if rated[i]]
     order = sorted(drawn, key=lambda i: -np.nan_to_num(shares["sensor_based"][i]))
     return FailuresToCome(

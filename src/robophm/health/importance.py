@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -14,8 +14,8 @@ from robophm.blocks.fussell_vesely import fussell_vesely
 from robophm.blocks.given_it_works import FAINTEST, StructureGivenItWorks, as_decimals, decimals
 from robophm.blocks.given_it_works import chances as of_hazards
 from robophm.blocks.importance import barlow_proschan, importance
-from robophm.blocks.merging import single_points_of_failure
 from robophm.blocks.reliability import Structure
+from robophm.blocks.single_points import single_points_of_failure
 from robophm.blocks.top_event import TopEvent
 from robophm.core.errors import StructureError
 from robophm.health.plant import Parts, Plant
@@ -61,7 +61,7 @@ class Importances:
     """P(the system fails within them | what is known now)."""
     ever: float
     """P(the system ever fails), the sum of the Barlow–Proschan importances."""
-    units: tuple[UnitImportance, ...]
+    units: tuple[UnitImportance, ...] = field(repr=False)
     refused: str = ""
     """The reason why there are no Fussell–Vesely importances, where there are none."""
     unknown: PartsOfUnknownRate | None = None

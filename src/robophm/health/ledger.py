@@ -12,6 +12,7 @@ import numpy as np
 from robophm.core.errors import StoreError
 from robophm.core.signal import HOUR, SECOND, Sample
 from robophm.design.robot import Robot
+from robophm.health.wear_readings import WearCourse
 from robophm.health.window import Array, Window
 
 RECENT = 600 * SECOND
@@ -169,6 +170,8 @@ class Ledger:
     """Sums of each mode when its part was last known to work."""
     services: list[Service] = field(default_factory=list)
     """Every replacement and repair, in order of time: what was there before stays known."""
+    wear: dict[str, WearCourse] = field(default_factory=dict)
+    """Readings of wear of each mode, by its key, since its part was put in or repaired."""
 
     @classmethod
     def new(cls, robot: Robot) -> Ledger:
@@ -205,7 +208,8 @@ class Ledger:
             "seen",
             "services",
         )
-        return replace(self, **totals, **{name: getattr(self, name).copy() for name in kept})
+        wear = {key: course.copy() for key, course in self.wear.items()}
+        return replace(self, **totals, **{name: getattr(self, name).copy() for name in kept}, wear=wear)
 
     def replace(self, modes: Iterable[str], failed: Collection[str] = ()) -> None:
         """Begin the sums of these modes, by key, anew, as of new parts; the modes in ``failed`` had failed."""
@@ -228,6 +232,7 @@ class Ledger:
         for total, value in zip(totals, after, strict=True):
             total.high[i], total.low[i] = value, 0.0
         self.replaced[key] = now
+        self.wear.pop(key, None)
 
     def remember(self, new: Step) -> None:
         """Append a stretch of the past to the recent steps and the history, newest last."""
@@ -266,6 +271,7 @@ class Ledger:
             "replaced": self.replaced,
             "seen": {key: list(seen) for key, seen in self.seen.items()},
             "services": [list(service) for service in self.services],
+            **({"wear": {key: one.to_json() for key, one in self.wear.items()}} if self.wear else {}),
         }
 
     @classmethod
@@ -323,6 +329,7 @@ class Ledger:
                 Service(time, mode, kind, failed, tuple(before), tuple(after))
                 for time, mode, kind, failed, before, after in data.get("services", ())
             ],
+            wear={key: WearCourse.from_json(one) for key, one in data.get("wear", {}).items()},
         )
 
 

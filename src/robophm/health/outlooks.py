@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
@@ -15,6 +15,7 @@ from robophm.health.future import Future
 from robophm.health.ledger import Ledger
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
+from robophm.health.worn import SeenWear, with_wear
 
 Array = npt.NDArray[np.float64]
 View = Literal["nominal", "sensor_based"]
@@ -25,11 +26,12 @@ FutureName = Literal["nominal", "last", "recent"]
 
 def outlooks(
     plant: Plant, exposure: ExposureIntegrator, ledger: Ledger, *,
-    future: FutureName = "recent", knowledge: Knowledge | None = None,
+    future: FutureName = "recent", knowledge: Knowledge | None = None, wear: Sequence[SeenWear] = (),
 ) -> Mapping[View, Outlook]:  # fmt: skip
     """Return both views of a robot with a past, as designed and as lived, on the same clocks.
 
-    ``future`` is the sensor-based one. Where nothing was observed it is the design's.
+    ``future`` is the sensor-based one. Where nothing was observed it is the design's. ``wear`` that sensors see is of
+    the sensor-based view alone.
     """
     sensor_based = as_lived(plant, exposure, ledger, future=future, knowledge=knowledge)
     initial = _initial(plant, ledger)
@@ -39,7 +41,7 @@ def outlooks(
     seen = np.where(known, initial + then[:, 0], 0.0)
     return {
         "nominal": replace(nominal, seen_age=seen, unseen_hazard=_increment(plant, seen, clock_age)),
-        "sensor_based": sensor_based,
+        "sensor_based": with_wear(sensor_based, wear),
     }
 
 

@@ -19,9 +19,10 @@ from scipy.sparse import csr_array
 
 from robophm.blocks.diagram import Block, Group, KOutOfN, Unit, units
 from robophm.blocks.given_it_works import StructureGivenItWorks
-from robophm.blocks.merging import merge_series, single_points_of_failure
+from robophm.blocks.merging import merge_series
 from robophm.blocks.phases import Phases
 from robophm.blocks.reliability import Structure
+from robophm.blocks.single_points import single_points_of_failure
 from robophm.core.argument_checks import instance
 from robophm.core.errors import StructureError, nearest
 from robophm.design.robot import Robot

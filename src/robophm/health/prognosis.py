@@ -48,6 +48,12 @@ class Outlook(Ageing):
         """Return the future that remaining life follows: the plan's where there is one."""
         return self.plan or self.future
 
+    @property
+    def operating(self) -> Future:
+        """Return the future at its mean pace while the robot is on: an hour of it is one of operation."""
+        pace, hour = self.future.usage[:, None], np.array([0.0, 1.0])
+        return Future("operating", hour, hour, pace * hour, self.future.factor[:, None] * pace * hour)
+
     def ahead(self, diagram: Block, advance: Array, effective: Array) -> tuple[Array, Array]:
         """Return P(the system fails) while every clock advances, and P(it survives that), given that it works now.
 
@@ -101,9 +107,9 @@ class Outlook(Ageing):
         system = self.plant.system(diagram)
         m = system.modes
         going = self.future.usage[m], self.future.factor[m]
-        structure, modes, sums = system.by_kind(self.age[m], self.cumulative_hazard[m], *going)
-        pace, hour = self.future.usage[:, None], np.array([0.0, 1.0])
-        operating = Future("operating", hour, hour, pace * hour, self.future.factor[:, None] * pace * hour)
+        wears = np.where(np.isin(m, list(self.worn)), m + 1.0, 0.0)  # each by itself
+        structure, modes, sums = system.by_kind(self.age[m], self.cumulative_hazard[m], *going, wears)
+        operating = self.operating
         added, groups = self.along(modes, operating), self.groups_along(system, operating)
         lived = np.append(self.cumulative_hazard[modes.modes], self.groups_since_new(system))[:, None]
         found = np.empty((2, len(hours)))

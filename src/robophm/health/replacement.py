@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -55,7 +55,7 @@ class Replacements:
     median: float
     """Remaining life as it is [h of calendar time]."""
     mean: float
-    parts: tuple[Replacement, ...]
+    parts: tuple[Replacement, ...] = field(repr=False)
     others: int
     """Components that were not looked at: to first order they change less than any of these."""
     unknown: PartsOfUnknownRate | None = None
@@ -116,7 +116,8 @@ def _new(outlook: Outlook, modes: slice) -> Outlook:
     arrays = {name: getattr(outlook, name).copy() for name in names}
     for array in arrays.values():
         array[modes] = 0.0
-    return replace(outlook, **arrays)
+    renewed = range(*modes.indices(len(outlook.age)))
+    return replace(outlook, **arrays, worn={i: one for i, one in outlook.worn.items() if i not in renewed})
 
 
 def replacements(outlook: Outlook, diagram: Block, task: Task | None, most: int = MOST) -> Replacements:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from itertools import chain
@@ -12,7 +12,9 @@ from typing import Any, Literal, overload
 import numpy as np
 import numpy.typing as npt
 
+from robophm.blocks.diagram import Block
 from robophm.core.argument_checks import numbers, one_of
+from robophm.core.html_table import html_table
 from robophm.design.robot import Robot
 from robophm.design.task import Task
 from robophm.design.task_checks import check_task
@@ -20,9 +22,10 @@ from robophm.health.failures_to_come import FailuresToCome, failures_to_come
 from robophm.health.mission import Completion, completion
 from robophm.health.outlooks import View
 from robophm.health.prognosis import Outlook, RemainingLife
-from robophm.health.subject import State, Subject
+from robophm.health.subject import State, Subject, systems
 from robophm.health.uncertainty import LifeUncertainty
 from robophm.health.unknown_rates import marked, marks, named
+from robophm.health.worn import SeenWear
 
 SCHEMA_VERSION = 1
 """The version of a health report as JSON."""
@@ -75,6 +78,8 @@ class HealthReport:
     """Uncertainty of the robot's sensor-based remaining life; None unless asked for and rates or load are uncertain."""
     horizon: float | None = None
     """The time ahead in which failures to come are looked for [h of calendar time]; None: the median remaining life."""
+    wear: tuple[SeenWear, ...] = ()
+    """Wear that sensors see of failure modes; the sensor-based figures have it in the place of their hazard."""
 
     @property
     def design(self) -> Robot:
@@ -130,24 +135,47 @@ class HealthReport:
         return found
 
     @overload
-    def reliability(self, hours: float, view: View = "sensor_based") -> float: ...
+    def reliability(self, hours: float, view: View = "sensor_based", *, of: str = "") -> float: ...
 
     @overload
-    def reliability(self, hours: Sequence[float] | Array, view: View = "sensor_based") -> Array: ...
+    def reliability(self, hours: Sequence[float] | Array, view: View = "sensor_based", *, of: str = "") -> Array: ...
 
-    def reliability(self, hours: float | Sequence[float] | Array, view: View = "sensor_based") -> float | Array:
-        """Survival since new after so many more operating hours of the same use; of many, shape of ``hours``.
+    def reliability(
+        self, hours: float | Sequence[float] | Array, view: View = "sensor_based", *, of: str = ""
+    ) -> float | Array:
+        """P(it works until so many operating hours from now), since new: of its past nothing is known but its exposure.
 
-        Raises RobophmError where hours are negative or not finite, or there is no such view.
+        So 0 hours have the reliability of now, not 1. What a robot that works now will survive is
+        ``survival_of_next``. ``of`` a module or function by its path, else of the robot; shape of ``hours``. Raises
+        RobophmError where hours are negative or not finite, or there is no such view, module or function.
         """
-        outlook, asked = self._outlook(view), numbers(hours, "hours")
-        works = outlook.reliability_curve(outlook.plant.robot.diagram, asked.ravel())[0].reshape(asked.shape)
-        return works if asked.ndim else float(works)
+        outlook, diagram = self._outlook(view), self._diagram(of)
+        return _shaped(lambda asked: outlook.reliability_curve(diagram, asked)[0], hours)
 
-    def remaining_life(self, view: View = "sensor_based") -> RemainingLife:
-        """Return the remaining life of the robot [h]. Raises RobophmError where there is no such view."""
-        outlook = self._outlook(view)
-        return outlook.remaining_life(outlook.plant.robot.diagram)
+    @overload
+    def survival_of_next(self, hours: float, view: View = "sensor_based", *, of: str = "") -> float: ...
+
+    @overload
+    def survival_of_next(
+        self, hours: Sequence[float] | Array, view: View = "sensor_based", *, of: str = ""
+    ) -> Array: ...
+
+    def survival_of_next(
+        self, hours: float | Sequence[float] | Array, view: View = "sensor_based", *, of: str = ""
+    ) -> float | Array:
+        """P(it works on through the next so many operating hours), given that it works now and what else is known.
+
+        1 of 0 hours, unless it is known to have failed. Arguments and errors as of ``reliability``.
+        """
+        outlook, diagram = self._outlook(view), self._diagram(of)
+        return _shaped(lambda asked: outlook.curve(diagram, outlook.operating)(asked)[1], hours)
+
+    def remaining_life(self, view: View = "sensor_based", *, of: str = "") -> RemainingLife:
+        """Return the remaining life of the robot, or ``of`` a module or function [h of calendar time].
+
+        Raises RobophmError where there is no such view, module or function.
+        """
+        return self._outlook(view).remaining_life(self._diagram(of))
 
     def completion(self, task: Task, view: View = "sensor_based") -> Completion:
         """Return the probability that the robot, as it is now, completes a task.
@@ -157,6 +185,13 @@ class HealthReport:
         outlook = self._outlook(view)
         check_task(task, outlook.plant.robot)
         return completion(outlook, task)
+
+    def _diagram(self, of: str) -> Block:
+        if of == "":
+            return self.design.diagram
+        diagrams = {one.path: one.diagram for one in reversed([*systems(self.design)]) if one.kind != "robot"}
+        found: Block = diagrams[one_of(of, diagrams, "module or function")]
+        return found
 
     def _outlook(self, view: View) -> Outlook:
         return self.outlooks[one_of(view, VIEWS, "view")]
@@ -176,6 +211,7 @@ class HealthReport:
             "uncertainty": plain({name: interval._asdict() for name, interval in vars(self.uncertainty).items()})
             if self.uncertainty
             else None,
+            "wear": [one.to_json() for one in self.wear],
             "state": self.state,
             "limits_set": self.design.limited,
             "breaches": list(self.breaches),
@@ -183,32 +219,34 @@ class HealthReport:
             "notes": list(self.notes),
         }
 
+    def __repr__(self) -> str:
+        one = self.system.sensor_based
+        rate, works, _ = marks(self.system.unknown)
+        figures = f"hazard rate {rate}{one.hazard_rate:.4g} /h, reliability {works}{one.reliability:.6g}"
+        return f"<HealthReport of {self.robot!r:.60}: {self.state}, {figures}>"
+
     def _repr_html_(self) -> str:
         """Return the report as an HTML table, for a notebook."""
-        from html import escape
-
-        head = "".join(
-            f"<th>{h}</th>"
-            for h in ("", "λ nominal [1/h]", "λ sensor", "R nominal", "R sensor", "RUL median [h]", "PoTC")
-        )
+        head = ("", "λ nominal [1/h]", "λ sensor", "R nominal", "R sensor", "RUL median [h]", "PoTC")
         rows = []
         for one in self.subjects:
             n, s = one.nominal, one.sensor_based
             rate, works, ahead = marks(one.unknown)
             life = marked(ahead, f"{s.remaining_life.median:.4g}".replace("inf", "∞")) if s.remaining_life else "–"
             task = f"{ahead}{s.completion.probability:.6g}" if s.completion else "–"
-            cells = (
-                marked(rate, f"{n.hazard_rate:.4g}"),
-                marked(rate, f"{s.hazard_rate:.4g}"),
-                f"{works}{n.reliability:.6g}",
-                f"{works}{s.reliability:.6g}",
-                life,
-                task,
-            )
-            rows.append(f"<tr><th>{escape(one.path)}</th>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>")
+            rows.append((
+                one.path, marked(rate, f"{n.hazard_rate:.4g}"), marked(rate, f"{s.hazard_rate:.4g}"),
+                f"{works}{n.reliability:.6g}", f"{works}{s.reliability:.6g}", life, task,
+            ))  # fmt: skip
         left_out = self.system.unknown
-        says = f"<caption>{escape(left_out.sentence)} ({escape(named(self.design))})</caption>" if left_out else ""
-        return f"<table>{says}<thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
+        return html_table(f"{left_out.sentence} ({named(self.design)})" if left_out else "", head, rows)
+
+
+def _shaped(curve: Callable[[Array], Array], hours: float | Sequence[float] | Array) -> float | Array:
+    """A curve at hours in their own shape. Raises RobophmError where they are negative or not finite."""
+    asked = numbers(hours, "hours")
+    found = curve(asked.ravel()).reshape(asked.shape)
+    return found if asked.ndim else float(found)
 
 
 def task_to_json(task: Task) -> dict[str, Any]:

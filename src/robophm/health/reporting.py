@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple, get_args
 
@@ -36,26 +36,27 @@ from robophm.health.subject import (
 )
 from robophm.health.uncertainty import SCENARIOS, LifeUncertainty, draw_loads, life_uncertainty
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
+from robophm.health.worn import SeenWear, wear_flags
 
 
 def health_report(
     plant: Plant, exposure: ExposureIntegrator, ledger: Ledger, *,
     task: Task | None = None, remaining_life: bool = True,
     future: FutureName = "recent", plan: Plan | None = None, knowledge: Knowledge | None = None,
-    draws: int = 0, parts: bool = False, horizon: float | None = None,
+    draws: int = 0, parts: bool = False, horizon: float | None = None, wear: Sequence[SeenWear] = (),
 ) -> HealthReport:  # fmt: skip
     """Return the health that a ledger tells of; ``task`` is the design's unless given. Remaining life is the slow part.
 
     Under a ``plan`` the robot does its tasks again and again for the rest of its life. ``draws`` of uncertain rates and
     loads tell how far the remaining life may lie; ``parts``: state that of every component too. ``horizon`` [h]: how
-    far ahead failures to come are looked for.
+    far ahead failures to come are looked for. ``wear``: what sensors see of it.
     Raises RobophmError where the robot lacks what a task, plan or knowledge names, or ``draws`` are no number
     of them, or too many.
     """
     draws = check_draws(draws, plant.robot)
     if horizon is not None:
         horizon = number(horizon, "horizon [h]", above=True, high=LONGEST)
-    now = health_now(plant, exposure, ledger, task=task, future=future, plan=plan, knowledge=knowledge)
+    now = health_now(plant, exposure, ledger, task=task, future=future, plan=plan, knowledge=knowledge, wear=wear)
     return replace(
         look_ahead(now, remaining_life=remaining_life, parts=parts),
         uncertainty=_uncertainty(plant, ledger, now.outlooks["sensor_based"], plan, draws),
@@ -66,7 +67,7 @@ def health_report(
 def health_now(
     plant: Plant, exposure: ExposureIntegrator, ledger: Ledger, *,
     task: Task | None = None, future: FutureName = "recent",
-    plan: Plan | None = None, knowledge: Knowledge | None = None,
+    plan: Plan | None = None, knowledge: Knowledge | None = None, wear: Sequence[SeenWear] = (),
 ) -> HealthReport:  # fmt: skip
     """Return hazard rates and reliabilities alone, quickly; ``look_ahead`` adds the rest."""
     robot = plant.robot
@@ -77,7 +78,7 @@ def health_now(
         check_plan(plan, robot)
     if knowledge is not None:
         check_knowledge(knowledge, robot)
-    views = outlooks(plant, exposure, ledger, future=future, knowledge=knowledge)
+    views = outlooks(plant, exposure, ledger, future=future, knowledge=knowledge, wear=wear)
     if plan:
         views = {view: replace(outlook, plan=plan_future(outlook, plan)) for view, outlook in views.items()}
     lived = views["sensor_based"]
@@ -96,9 +97,10 @@ def health_now(
             _subject(
                 system,
                 _marks(
-                    (robot.modes[i] for i in plant.system(system.diagram).modes),
+                    [robot.modes[i] for i in plant.system(system.diagram).modes],
                     ledger,
                     silent,
+                    wear,
                     *(odometers if system.kind == "robot" else ()),
                 ).with_unknown(unknown(lived, system.diagram)),
                 {view: figures_now(views[view], system.diagram) for view in VIEWS},
@@ -117,11 +119,12 @@ def health_now(
             for component, (rate, lived_rate, works, lived_works, failed, lived_failed) in zip(
                 plant.components, numbers.tolist(), strict=True
             )
-            for marks in (_marks(component.modes, ledger, silent),)
+            for marks in (_marks(component.modes, ledger, silent, wear),)
         ),
         task or robot.task,
         rejected_samples(ledger),
         views,
+        wear=tuple(wear),
     )
 
 
@@ -194,11 +197,15 @@ def _uncertainty(plant: Plant, ledger: Ledger, lived: Outlook, plan: Plan | None
     return life_uncertainty(lived, plant.robot.diagram, loads=loads, draws=draws)
 
 
-def _marks(modes: Iterable[FailureMode], ledger: Ledger, silent: Mapping[str, int | None], *signals: str) -> _Marks:
-    """Marks on figures of failure modes: the silent signals that they hang on, and models outside their range."""
+def _marks(
+    modes: Sequence[FailureMode], ledger: Ledger, silent: Mapping[str, int | None], wear: Sequence[SeenWear],
+    *signals: str,
+) -> _Marks:  # fmt: skip
+    """Marks on figures of failure modes: silent signals that they hang on, models outside their range, their wear."""
+    worn = wear_flags(wear, (mode.path for mode in modes)) if wear else ()
     mixed = {key.removeprefix(REORDERED) for key in ledger.counts if key.startswith(REORDERED)}
     if not silent and not mixed and not any(ledger.extrapolated.values()):
-        return _Marks()
+        return _Marks(worn)
     heard_by, extrapolated = {*signals}, False
     for mode in modes:
         heard_by |= {channel.signal for stress in mode.stresses for channel in stress.channels.values()}
@@ -209,5 +216,6 @@ def _marks(modes: Iterable[FailureMode], ledger: Ledger, silent: Mapping[str, in
         *(f"{STALE}{signal}" for signal in own),
         *(f"{REORDERED}{signal}" for signal in sorted(heard_by & mixed)),
         *(["extrapolated"] if extrapolated else []),
+        *worn,
     )
     return _Marks(flags, silence(own))

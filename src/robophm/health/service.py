@@ -11,7 +11,7 @@ from robophm.health.ledger import Ledger, Service
 
 
 @dataclass(frozen=True)
-class ServiceInterval:
+class ExposureBetweenServices:
     """The exposure of a failure mode from one service to the next, or till now; ages include the initial exposure."""
 
     mode: FailureMode
@@ -87,7 +87,7 @@ def _failed(part: Component, modes: tuple[FailureMode, ...], failed: bool) -> tu
     return modes if failed else ()
 
 
-def service_intervals(robot: Robot, ledger: Ledger) -> Iterator[ServiceInterval]:
+def service_intervals(robot: Robot, ledger: Ledger) -> Iterator[ExposureBetweenServices]:
     """Return the exposure of every failure mode, service by service, and since the last one."""
     of: dict[str, list[Service]] = {}
     for service in ledger.services:
@@ -103,5 +103,5 @@ def service_intervals(robot: Robot, ledger: Ledger) -> Iterator[ServiceInterval]
                 hazard = end[2] - begun[2]
                 if mode.scaling == "age":
                     hazard = float(mode.life.increment(start, max(until - start, 0.0)))
-                yield ServiceInterval(mode, part.quantity, start, until, end[0] - begun[0], hazard, failed)
+                yield ExposureBetweenServices(mode, part.quantity, start, until, end[0] - begun[0], hazard, failed)
                 initial, begun = 0.0, after

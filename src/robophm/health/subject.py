@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime, timedelta
 from typing import Literal, NamedTuple
 
 from robophm.blocks.diagram import Block
-from robophm.core.signal import SECOND
 from robophm.design.robot import Limits, Robot, Thresholds
 from robophm.design.task import Task
 from robophm.health.mission import Completion, completion
 from robophm.health.prognosis import Outlook, RemainingLife
 from robophm.health.unknown_rates import PartsOfUnknownRate
+from robophm.health.worn import WEAR, moment
 
 State = Literal["ok", "warn", "error", "stale"]
 
@@ -120,27 +119,22 @@ class Subject:
     @property
     def state(self) -> State:
         """Return the state in one word. It is stale where a sensor is silent and no threshold is known to be broken,
-        and never plainly ok where parts of unknown rate are left out."""
+        and never plainly ok where parts of unknown rate are left out, or a part is worn."""
         if self.breaches:
             return "error"
         if self.stale:
             return "stale"
-        return "warn" if self.warnings or self.unknown else "ok"
+        worn = any(flag.startswith(WEAR) for flag in self.flags)
+        return "warn" if self.warnings or self.unknown or worn else "ok"
 
 
 def silence(last: Mapping[str, int | None]) -> str:
     """Say that figures rest on silence; ``last`` is each silent signal's last time [ns], None where it never spoke."""
     since: dict[str, list[str]] = {}
     for signal, time in sorted(last.items(), key=lambda item: (item[1] or 0, item[0])):
-        since.setdefault(_moment(time), []).append(signal)
+        since.setdefault("the beginning" if time is None else moment(time), []).append(signal)
     times = [f"since {when} of {_some(signals)}" for when, signals in since.items()]
     return f"rests on silence {_some(times)}" if times else ""
-
-
-def _moment(time: int | None) -> str:
-    if time is None:
-        return "the beginning"
-    return f"{datetime(1970, 1, 1, tzinfo=UTC) + timedelta(seconds=time // SECOND):%Y-%m-%d %H:%M:%S} UTC"
 
 
 def _some(words: Sequence[str]) -> str:

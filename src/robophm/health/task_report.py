@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from math import fsum
 from typing import Any
@@ -24,6 +24,7 @@ from robophm.health.prognosis import Outlook
 from robophm.health.report import VIEWS, plain, task_to_json
 from robophm.health.uncertainty import DRAWS, SCENARIOS, CompletionUncertainty, completion_uncertainty, draw_loads
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
+from robophm.health.worn import SeenWear
 
 SCHEMA_VERSION = 1
 """The version of a task report as JSON."""
@@ -54,15 +55,17 @@ class TaskReport:
     """The least probability of completion that the design wants."""
     unknown: PartsOfUnknownRate | None = None
     """The effect of parts of unknown rate in the needed functions on the probabilities."""
+    wear: tuple[SeenWear, ...] = ()
+    """Wear that sensors see of failure modes."""
 
     @property
     def distance(self) -> float:
-        """Of all tasks [m]."""
+        """The distance of all tasks together [m]."""
         return fsum(one.task.distance for one in self.tasks)
 
     @property
     def duration(self) -> float:
-        """Of all tasks [h]."""
+        """The duration of all tasks together [h]."""
         return fsum(one.task.duration for one in self.tasks)
 
     @property
@@ -83,17 +86,18 @@ class TaskReport:
             "uncertainty": plain(_uncertainty(self.uncertainty)) if self.uncertainty else None,
             "deciding": [asdict(one) for one in self.deciding],
             "threshold": self.threshold,
+            "wear": [one.to_json() for one in self.wear],
             **({"unknown": asdict(self.unknown)} if self.unknown else {}),
         }
 
 
 def task_report(
     plant: Plant, exposure: ExposureIntegrator, ledger: Ledger, plan: Plan, *,
-    future: FutureName = "recent", draws: int = DRAWS, seed: int = 0,
+    future: FutureName = "recent", draws: int = DRAWS, seed: int = 0, wear: Sequence[SeenWear] = (),
 ) -> TaskReport:  # fmt: skip
     """Answer whether a robot with this past can do a list of tasks. Raises RobophmError for too many ``draws``."""
     draws = check_draws(draws, plant.robot)
-    views = outlooks(plant, exposure, ledger, future=future, knowledge=plan.knowledge)
+    views = outlooks(plant, exposure, ledger, future=future, knowledge=plan.knowledge, wear=wear)
     each = {view: consecutive_completions(views[view], plan.tasks) for view in VIEWS}
     joined = plan.joined
     lived = views["sensor_based"]
@@ -107,6 +111,7 @@ def task_report(
         tuple(deciding_components(lived, joined)),
         plant.robot.thresholds.completion,
         unknown_in(lived, joined),
+        tuple(wear),
     )
 
 

@@ -21,7 +21,7 @@ from scipy.sparse import csr_array
 from robophm.blocks.diagram import Block
 from robophm.core.waiting_time import Curve, time_at
 from robophm.design.task import Task
-from robophm.health.drawn_rates import draw_rates, ignorance
+from robophm.health.drawn_rates import draw_rates, state_of_knowledge
 from robophm.health.future import Future
 from robophm.health.ledger import Ledger, Step
 from robophm.health.mission import Completion, needed_now, needs, planned
@@ -189,7 +189,11 @@ def completion_at_rates(outlook: Outlook, task: Task, ratio: float) -> Completio
 
 
 def completions_of(outlook: Outlook, task: Task, ratios: Array, futures: Sequence[Future]) -> tuple[Array, Array]:
-    """Of each draw: (failure, probability), shape (2, draws), and how much it counts; each has one of the futures."""
+    """The probabilities that a task fails and is completed under drawn rates, and the weight of each draw.
+
+    Shapes (2, draws) and (draws,). ``ratios`` of shape (modes, draws): times the stated rates. Each draw has one of
+    the futures.
+    """
     wanted, ends = needs(task)
     mission = outlook.plant.mission(needed_now(wanted), wanted)
 
@@ -288,7 +292,7 @@ def _refined(curve: Curve, survives: Array, guess: Array) -> Array:
 
 
 def weighted_interval(values: Array, weight: Array) -> Interval:
-    """Weighted quantiles."""
+    """The 5 %, 50 % and 95 % quantiles of values under weights; both of shape (draws,)."""
     order = np.argsort(values)
     level = np.cumsum(weight[order]) - weight[order] / 2
     return Interval(*(float(one) for one in np.interp([0.05, 0.5, 0.95], level, values[order])))
@@ -305,7 +309,8 @@ class DrawnRates:
         log_works: Callable[[Array], Array],
     ) -> None:  # fmt: skip
         m, ratios = parts.modes, ratios[parts.modes]
-        degrees = [outlook.plant.robot.modes[i].life.degree for i in m]
+        # What wear adds no rate scales: its modes are not among those whose hazard is a factor times that as stated.
+        degrees = [None if i in outlook.worn else outlook.plant.robot.modes[i].life.degree for i in m.tolist()]
         self._is_power = np.array([degree is not None for degree in degrees])
         weights = parts.weights
         self._weights, self._of_groups = weights[:, : len(m)], weights[:, len(m) :]
@@ -320,6 +325,8 @@ class DrawnRates:
             unseen[self._is_power] = scale * outlook.unseen_hazard[self.scaling.modes, None]
         if not self._is_power.all():
             lived[~self._is_power], unseen[~self._is_power] = _past(outlook, self.others, ratios[~self._is_power])
+        worn = np.isin(m, list(outlook.worn))
+        unseen[worn] = outlook.unseen_hazard[m[worn], None]
         # What each unit tells of its own modes alone.
         first = outlook.known(parts, needed, parts.of_units(np.vstack((unseen, exact))[:, :1]))[:, 0]
         failed = np.isinf(first)
@@ -331,7 +338,7 @@ class DrawnRates:
         if _effective(alone) < _FEWEST_EFFECTIVE * len(alone):  # together they leave few draws: draw by each instead
             same_rate: dict[str, list[int]] = defaultdict(list)
             for i in np.flatnonzero(np.ptp(ratios, axis=1) > 0).tolist():
-                same_rate[ignorance(outlook.plant.robot.modes[m[i]])].append(i)
+                same_rate[state_of_knowledge(outlook.plant.robot.modes[m[i]])].append(i)
             for modes in same_rate.values():
                 chosen = _resampled(evidence[modes].sum(axis=0))
                 for rows in (ratios, lived, unseen):

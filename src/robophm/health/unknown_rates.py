@@ -8,7 +8,7 @@ itself, nor where all else is known to work: then all figures are bounds.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -17,6 +17,7 @@ import numpy as np
 from robophm.blocks.diagram import Block
 from robophm.design.robot import UNKNOWN, Component, Robot
 from robophm.health.prognosis import Outlook
+from robophm.health.worn import believed
 
 IF_NEVER: Literal["if they never fail"] = "if they never fail"
 Bound = Literal["at least", "at most", "if they never fail"]
@@ -103,17 +104,15 @@ class PartsOfUnknownRate:
         return f"as {self.if_never}, and may be more or less"
 
 
-def unknown(
-    outlook: Outlook, *diagrams: Block, later: bool = False, seen: Collection[str] = ()
-) -> PartsOfUnknownRate | None:
-    """Return the effect of unknown rates on one system, or on several that must all work; None where all are known.
+def unknown(outlook: Outlook, *diagrams: Block, later: bool = False) -> PartsOfUnknownRate | None:
+    """Return the effect of unknown rates on one system, or on several that must all work; None where every rate is
+    known, or wear says when its mode comes.
 
-    ``later``: the hazard rate is of survivors at another time than now. ``seen``: failure modes, by path, of which
-    something else than a rate says when they come, such as their wear.
+    ``later``: the hazard rate is of survivors at another time than now.
     """
     plant = outlook.plant
     is_unknown = plant.unknown
-    if seen:
+    if seen := believed(outlook):
         told = [not any(mode.unknown and mode.path not in seen for mode in part.modes) for part in plant.components]
         is_unknown = is_unknown & ~np.array([*told, *(True for _ in plant.groups)])[plant.component_of]
     systems = [outlook.plant.system(diagram) for diagram in diagrams]

@@ -12,8 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.blocks.diagram import Block, Unit, with_blocks
-from robophm.blocks.merging import merge_series, single_points_of_failure
+from robophm.blocks.merging import merge_series
 from robophm.blocks.phases import Phases
+from robophm.blocks.single_points import single_points_of_failure
 from robophm.health.plant import Parts
 from robophm.health.prognosis import Outlook
 

@@ -48,6 +48,8 @@ class DecidingPart:
     stresses: tuple[ObservedStress, ...]
     silent: bool
     """Whether a sensor that it hangs on is silent."""
+    wear: tuple[str, ...]
+    """Sentences on wear that is in the place of the hazard of its failure modes."""
     relieved: float | None
     """The robot's median remaining life [h] if this part aged as designed from now on; None where it does."""
 
@@ -102,7 +104,7 @@ def _first(contributions: Sequence[Contribution]) -> Iterator[Contribution]:
 def _deciding(report: HealthReport, outlook: Outlook, one: Contribution) -> DecidingPart:
     health = next((part for part in report.components if part.path == one.path and not one.group), None)
     if health is None:
-        return DecidingPart(one.path, one.quantity, one.sensor_based, np.nan, (), silent=False, relieved=None)
+        return DecidingPart(one.path, one.quantity, one.sensor_based, np.nan, (), silent=False, wear=(), relieved=None)
     plant = outlook.plant
     modes = next(part.modes for part in plant.components if part.path == one.path)
     rows = [i for i, mode in enumerate(plant.robot.modes) if mode in modes]
@@ -112,8 +114,10 @@ def _deciding(report: HealthReport, outlook: Outlook, one: Contribution) -> Deci
     effective = outlook.future.effective.copy()
     effective[rows] = outlook.future.advance[rows]
     relieved = replace(outlook, future=replace(outlook.future, effective=effective))
+    wear = {seen.mode: f"{seen.mode} {seen.says}" for seen in report.wear if seen.counts}
     return DecidingPart(
         one.path, one.quantity, one.sensor_based, pace, tuple(_stresses(outlook, modes)), bool(health.silence),
+        tuple(wear[mode.path] for mode in modes if mode.path in wear),
         relieved.remaining_life(plant.robot.diagram).median if not np.allclose(aged, gone, rtol=1e-6) else None,
     )  # fmt: skip
 

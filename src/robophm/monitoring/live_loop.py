@@ -17,9 +17,10 @@ from robophm.monitoring.live_tasks import LiveTasks
 from robophm.monitoring.look_ahead import LookAhead
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import REPAIR, REPORT_STEP, ReportHistory, kept_ledger
+from robophm.monitoring.wear_watch import WearWatch
 from robophm.stores.store import Progress, Store
 from robophm.transports.recordings.journal import Journal
-from robophm.transports.signals.sink import JudgedTask, ReportSink
+from robophm.transports.signals.report_sink import JudgedTask, ReportSink
 from robophm.transports.signals.source import Gap, LiveItem, LiveSource, SignalSource, WholeMessage
 
 SAVE_EVERY = 5.0
@@ -73,14 +74,15 @@ class _Watch:
 
     def __post_init__(self) -> None:
         ledger = kept_ledger(self.robot, self.store) if self.store else None
-        self._course = ReportHistory(REPORT_STEP, ledger)
+        self._wear = WearWatch(self.robot, alarms=True)
+        self._course = ReportHistory(REPORT_STEP, ledger, self._wear.latest)
         self._saved = time.monotonic()
         self._key = f"journal {self.journal.path.resolve()}" if self.journal else ""
         self._mixed = Counter(ledger.counts if ledger else ())
         self._ahead = LookAhead()
         self._clock = ClockSteps()
         self._monitor = Monitor(self.robot, ledger, period=self.period, on_tick=self._tick)
-        self._tasks = LiveTasks(self._monitor, speed=self.speed, functions=self.functions)
+        self._tasks = LiveTasks(self._monitor, self._wear, speed=self.speed, functions=self.functions)
         self._behind: int | None = None
         """To which the ledger had been integrated, until the first sample is known not to be before it."""
 
@@ -95,6 +97,8 @@ class _Watch:
         with ExitStack() as opened:
             if self.sinks:
                 opened.enter_context(self._ahead)
+            self._wear.renewed(monitor.ledger)
+            opened.callback(self._wear.close)
             opened.callback(self._save)
             if self.on_start:
                 self.on_start(monitor)
@@ -135,9 +139,11 @@ class _Watch:
     def _tick(self, monitor: Monitor) -> None:
         """Tell what there is to tell after a step of integration."""
         self._note_orders()
+        self._wear.renew_soon(monitor.ledger)
         if self._ahead.is_alive():
             settled = monitor.exposure.settled(monitor.ledger)
-            report = self._ahead.beside(health_now(monitor.plant, monitor.exposure, settled))
+            wear = self._wear.latest(settled)
+            report = self._ahead.beside(health_now(monitor.plant, monitor.exposure, settled, wear=wear))
             for sink in self.sinks:
                 sink.publish(report)
         if self.task_topics:

@@ -12,9 +12,11 @@ from robophm.health.outlooks import outlooks
 from robophm.health.report import VIEWS
 from robophm.health.task_report import unknown_in
 from robophm.health.window import Window
+from robophm.health.worn import SeenWear
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.task_evaluation import completion_as_done, task_as_done, task_as_planned
-from robophm.transports.signals.sink import JudgedTask
+from robophm.monitoring.wear_watch import WearWatch
+from robophm.transports.signals.report_sink import JudgedTask
 from robophm.transports.signals.source import WholeMessage
 from robophm.transports.tasks import DoneTask, PlannedTask, TaskTopics
 
@@ -31,13 +33,15 @@ class LiveTasks:
     ``speed`` [m/s] is of planned legs that state none; ``functions`` are what tasks need, the whole robot unless given.
     """
 
-    def __init__(self, monitor: Monitor, *, speed: float | None = None, functions: Sequence[str] = ()) -> None:
+    def __init__(
+        self, monitor: Monitor, wear: WearWatch, *, speed: float | None = None, functions: Sequence[str] = ()
+    ) -> None:  # fmt: skip
         self.notes: Counter[str] = Counter()
-        self._monitor = monitor
+        self._monitor, self._wear = monitor, wear
         self._speed = speed
         self._functions = tuple(functions)
         self._topics = TaskTopics(self.notes)
-        self._past: list[tuple[int, Ledger]] = []
+        self._past: list[tuple[int, Ledger, Sequence[SeenWear]]] = []
 
     def remember(self) -> None:
         """Remember the ledger after a tick, since the beginning of a task is known only when it is done."""
@@ -46,13 +50,14 @@ class LiveTasks:
         if now is None:
             return
         copy = ledger.copy()
-        copy.pending = Window()
-        self._past.append((now, copy))
-        kept: list[tuple[int, Ledger]] = []
-        for (at, then), following in zip(self._past, [*self._past[1:], None], strict=True):
+        wear = self._wear.latest(copy)
+        copy.pending, copy.wear = Window(), {}
+        self._past.append((now, copy, wear))
+        kept: list[tuple[int, Ledger, Sequence[SeenWear]]] = []
+        for (at, then, seen), following in zip(self._past, [*self._past[1:], None], strict=True):
             between = following[0] - kept[-1][0] if following and kept else 0
             if now - at <= LONGEST and (not (following and kept) or between * FINENESS > now - at):
-                kept.append((at, then))
+                kept.append((at, then, seen))
         self._past = kept
 
     def hear(self, told: WholeMessage) -> JudgedTask | None:
@@ -68,19 +73,21 @@ class LiveTasks:
             self.notes[f"{told.topic}: a task that states no speed; expected one, or the robot's usual speed"] += 1
             return None
         monitor = self._monitor
-        views = outlooks(monitor.plant, monitor.exposure, monitor.exposure.settled(monitor.ledger))
+        settled = monitor.exposure.settled(monitor.ledger)
+        views = outlooks(monitor.plant, monitor.exposure, settled, wear=self._wear.latest(settled))
         judged = {view: completion(views[view], task) for view in VIEWS}
         return JudgedTask(False, told.time, told.topic, task.duration, task.distance, judged,
                           unknown_in(views["sensor_based"], task))  # fmt: skip
 
     def _done(self, told: DoneTask) -> JudgedTask | None:
         monitor = self._monitor
-        begun = next((ledger for at, ledger in reversed(self._past) if at <= told.start), None)
-        if begun is None:
+        before = next(((ledger, wear) for at, ledger, wear in reversed(self._past) if at <= told.start), None)
+        if before is None:
             self.notes[f"{told.topic}: a task that began before anything was known of the robot"] += 1
             return None
         task = task_as_done(told, self._functions)
-        views = outlooks(monitor.plant, monitor.exposure, begun)
+        begun, wear = before
+        views = outlooks(monitor.plant, monitor.exposure, begun, wear=wear)
         ended = monitor.exposure.settled(monitor.ledger)
         found = completion_as_done(monitor.plant, views, task, begun, ended)
         return JudgedTask(True, told.end, told.topic, task.duration, task.distance, found,

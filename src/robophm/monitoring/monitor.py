@@ -7,7 +7,7 @@ that the same samples in the same order always give the same ledger, bit for bit
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import TypedDict, Unpack
 
 import numpy as np
@@ -25,6 +25,8 @@ from robophm.health.plant import Plant
 from robophm.health.report import HealthReport
 from robophm.health.reporting import health_report
 from robophm.health.window import Columns, Window, parted
+from robophm.health.worn import SeenWear
+from robophm.monitoring.seen_wear import seen_wear, with_alarms
 
 WINDOW = SECOND
 """Nanoseconds that integration waits for samples that come out of order."""
@@ -192,7 +194,16 @@ class Monitor:
                 then(self._at(min(mark, now), self.ledger.pending.columns()))
         self.marks.clear()
 
-    def report(self, *, settled: bool = True, **options: Unpack[ReportOptions]) -> HealthReport:
-        """The robot's health now. ``settled`` takes the open window in, up to the newest sample or the end."""
+    def report(
+        self, *, settled: bool = True, alarms: bool = False, wear: Sequence[SeenWear] | None = None,
+        **options: Unpack[ReportOptions],
+    ) -> HealthReport:  # fmt: skip
+        """The robot's health now. ``settled`` takes the open window in, up to the newest sample or the end.
+
+        ``wear`` is that of the ledger's readings, foretold now, unless given; ``alarms``: and what changed in them.
+        """
         ledger = self.exposure.settled(self.ledger) if settled else self.ledger
-        return health_report(self.plant, self.exposure, ledger, **options)
+        if wear is None:
+            wear = seen_wear(self.robot, ledger)
+            wear = with_alarms(self.robot, ledger, wear) if alarms else wear
+        return health_report(self.plant, self.exposure, ledger, wear=wear, **options)

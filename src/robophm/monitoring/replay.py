@@ -17,9 +17,11 @@ from robophm.core.signal import REORDERED, SECOND
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
 from robophm.health.report import HealthReport
+from robophm.health.worn import SeenWear
 from robophm.monitoring.block_monitor import BlockMonitor
 from robophm.monitoring.monitor import LONGEST_PERIOD, Monitor
 from robophm.monitoring.recording_sessions import Recorded, RecordingSession, joined, living, sessions_of
+from robophm.monitoring.wear_watch import GROWTH, WearWatch
 from robophm.stores.store import Progress, Store
 
 SAVE_EVERY = 2.0
@@ -42,18 +44,19 @@ _ENDED = "end of the recording that was heard last"
 class ReportHistory:
     """The reports of a robot's time that are to be kept: after the first tick, and after the first in every step."""
 
-    def __init__(self, step: int, ledger: Ledger | None) -> None:
-        """``step`` [ns]; a ledger that is gone on from has its report."""
+    def __init__(self, step: int, ledger: Ledger | None, wear: Callable[[Ledger], Sequence[SeenWear]]) -> None:
+        """``step`` [ns]; a ledger that is gone on from has its report; ``wear``: what is foretold of it."""
         self.reports: list[dict[str, Any]] = []
         """Reports that are not yet saved."""
-        self._step = step
+        self._step, self._wear = step, wear
         self._reported = ledger.integrated_to if ledger else None
 
     def follow(self, monitor: Monitor) -> None:
         """Take a report where it is time to."""
         now = monitor.ledger.integrated_to or 0
         if self._reported is None or now // self._step > self._reported // self._step:
-            self.reports.append(monitor.report(remaining_life=False, settled=False).to_json())
+            wear = self._wear(monitor.ledger)
+            self.reports.append(monitor.report(remaining_life=False, settled=False, wear=wear).to_json())
         self._reported = now
 
 
@@ -120,7 +123,7 @@ def replay_sessions(
         monitor, notes = _go_through(robot, run, ledger, store, period, step, on_tick)
         ledger = monitor.ledger
         decided.update(notes)
-    report = (monitor or Monitor(robot, ledger, period=period)).report()
+    report = (monitor or Monitor(robot, ledger, period=period)).report(alarms=True)
     return replace(report, notes=report.notes + tuple(said(decided)))
 
 
@@ -162,7 +165,7 @@ def _go_through(
         _not_before(run[0].session, ledger.integrated_to)
     position = begun.position
     decided |= Counter(session.lost)
-    course = ReportHistory(step, ledger)
+    course = ReportHistory(step, ledger, WearWatch(robot, GROWTH).renewed)
     saved = time.monotonic()
 
     def save() -> None:

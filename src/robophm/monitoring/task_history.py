@@ -28,6 +28,7 @@ from robophm.health.unknown_rates import PartsOfUnknownRate
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.recording_sessions import living, sessions_of
 from robophm.monitoring.task_evaluation import completion_as_done, task_as_done, task_as_planned
+from robophm.monitoring.wear_watch import WearWatch
 from robophm.transports.signals.source import SignalSource
 from robophm.transports.tasks import DoneTask, PlannedTask
 
@@ -110,7 +111,8 @@ def judge_on_the_way(
     speed: float | None = None, functions: Sequence[str] = (), knowledge: Knowledge | None = None,
 ) -> Callable[[], list[TaskRecord]]:  # fmt: skip
     """Have a monitor judge tasks as it reaches them; return a function that gives the records so far."""
-    drafts = [_Draft(monitor, plan, done, speed, functions, knowledge) for plan, done in _pairs(told)]
+    wear = WearWatch(monitor.robot)
+    drafts = [_Draft(monitor, wear, plan, done, speed, functions, knowledge) for plan, done in _pairs(told)]
     monitor.marks = sorted((mark for draft in drafts for mark in draft.marks()), key=itemgetter(0))
     return lambda: [draft.record() for draft in drafts]
 
@@ -119,10 +121,11 @@ class _Draft:
     """A task while its recording is lived through; a ledger is kept only while the task is under way."""
 
     def __init__(
-        self, monitor: Monitor, plan: PlannedTask | None, done: DoneTask | None,
+        self, monitor: Monitor, wear: WearWatch, plan: PlannedTask | None, done: DoneTask | None,
         speed: float | None, functions: Sequence[str], knowledge: Knowledge | None,
     ) -> None:  # fmt: skip
         self.monitor, self.plan, self.done, self.knowledge = monitor, plan, done, knowledge
+        self._wear = wear
         self.planned = task_as_planned(plan, speed, functions) if plan else None
         self.driven = task_as_done(done, functions) if done else None
         self.predicted: dict[View, Completion] | None = None
@@ -140,15 +143,18 @@ class _Draft:
 
     def _predict(self, ledger: Ledger) -> None:
         if asked := self.planned if self.plan else self.driven:
-            views = outlooks(self.monitor.plant, self.monitor.exposure, ledger, knowledge=self.knowledge)
+            views = self._outlooks(ledger)
             self.unknown = unknown_in(views["sensor_based"], asked)
             self.predicted = {view: completion(views[view], asked) for view in VIEWS}
 
     def _begin(self, ledger: Ledger) -> None:
         if not self.plan:
             self._predict(ledger)
-        views = outlooks(self.monitor.plant, self.monitor.exposure, ledger, knowledge=self.knowledge)
-        self.begun = views, ledger
+        self.begun = self._outlooks(ledger), ledger
+
+    def _outlooks(self, ledger: Ledger) -> Mapping[View, Outlook]:
+        plant, exposure = self.monitor.plant, self.monitor.exposure
+        return outlooks(plant, exposure, ledger, knowledge=self.knowledge, wear=self._wear.renewed(ledger))
 
     def _end(self, ledger: Ledger) -> None:
         if self.begun and self.driven:

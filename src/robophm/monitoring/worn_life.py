@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
-
-import numpy as np
-import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
 from robophm.core.errors import RobophmError
 from robophm.health.prognosis import Outlook, RemainingLife
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
-from robophm.health.worn import Worn, remaining_life
+from robophm.health.worn import SeenWear, apart, with_wear
 from robophm.learning.wear.worn_mode import WornMode
-
-Array = npt.NDArray[np.float64]
+from robophm.monitoring.seen_wear import seen_of
 
 
 class Life(NamedTuple):
@@ -36,40 +32,43 @@ class WornLife(NamedTuple):
     """Whether models follow that wear so far; else the life with wear is not to be believed."""
 
 
-def worn_lives(outlook: Outlook, found: Sequence[WornMode]) -> dict[str, WornLife]:
+def worn_lives(outlook: Outlook, found: Sequence[WornMode], seen: Sequence[SeenWear] = ()) -> dict[str, WornLife]:
     """Return the lives of each worn mode's part, under the mode's path, and of the robot, under its name.
 
-    Readings without dates are on the clock of their part, which goes on as the outlook's future does. Wear of which no
-    life can be said leaves its mode the hazard that it has. Raises
+    ``outlook`` is one in which no wear is seen. Readings without dates are on the clock of their part, which goes on as
+    the outlook's course does; the last of them is now, unless ``seen`` says of the same modes when it was. Raises
     RobophmError where that clock stands, or a part is a member of a group of dependent parts.
     """
     plant = outlook.plant
     robot = plant.robot
-    worn = {_index(outlook, one): _hazard(outlook, one) for one in found if one.wear.said}
+    index = {mode.path: i for i, mode in enumerate(robot.modes)}
+    for one in found:
+        _refuse(outlook, one, index[one.mode.path])
+    known = {one.mode: one for one in seen}
+    worn = [known.get(one.mode.path) or seen_of(one, robot.part_of(one.mode), _share(one)) for one in found]
 
-    def lives(diagram: Block, some: Worn, of: Sequence[WornMode]) -> WornLife:
-        seen = {robot.modes[i].path for i in some}
+    def lives(diagram: Block, some: Sequence[SeenWear], of: Sequence[WornMode]) -> WornLife:
+        wears = with_wear(outlook, some)
         return WornLife(
             Life(outlook.remaining_life(diagram), unknown(outlook, diagram)),
-            Life(remaining_life(outlook, diagram, some), unknown(outlook, diagram, seen=seen)),
+            Life(wears.remaining_life(diagram), unknown(wears, diagram)),
             all(one.wear.followed for one in of),
         )
 
-    parts = {}
-    for one in found:
-        i = _index(outlook, one)
-        parts[one.mode.path] = lives(plant.alone[int(plant.part[i])], {i: worn[i]} if i in worn else {}, [one])
+    parts = {
+        one.mode.path: lives(plant.alone[int(plant.part[index[one.mode.path]])], [wear], [one])
+        for one, wear in zip(found, worn, strict=True)
+    }
     return {**parts, robot.name: lives(robot.diagram, worn, found)}
 
 
-def _index(outlook: Outlook, one: WornMode) -> int:
-    return next(k for k, mode in enumerate(outlook.plant.robot.modes) if mode.path == one.mode.path)
+def _share(one: WornMode) -> float:
+    return one.mode.wear.share if one.mode.wear else 1.0
 
 
-def _hazard(outlook: Outlook, one: WornMode) -> Callable[[Array], Array]:
-    """The cumulative hazard of a mode by its wear, as a function of hours of calendar time from now."""
-    future, i = outlook.future, _index(outlook, one)
-    pace = 1.0 if one.readings.dated else float(future.advance[i, -1] / future.hours[-1])
-    if not pace > 0:
+def _refuse(outlook: Outlook, one: WornMode, i: int) -> None:
+    if i in apart(outlook.plant):
+        raise RobophmError(f"'{one.mode.path}' is of a group of parts that depend on each other, whose wear is not "
+                           "told apart")  # fmt: skip
+    if not one.readings.dated and not outlook.course.pace(outlook.plant)[i] > 0:
         raise RobophmError(f"'{one.mode.path}' does not age by the design's usage; expected dates (column 'when')")
-    return lambda hours: one.wear.cumulative_hazard(np.asarray(hours) * pace)

@@ -19,7 +19,7 @@ FIGURES = ("rate", "mtbf", "mttf", "l10", "b10")
 
 GRADES: Mapping[str, str] = {
     "A": "a maker's statement about a part of this kind",
-    "B": "a handbook or a standard",
+    "B": "a handbook or a standard, or a maker's figure converted by a stated rule",
     "C": "an estimate, with its reasoning",
 }
 """The grades of an entry's source, from best to worst."""

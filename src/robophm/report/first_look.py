@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from robophm.drafting.first_look import FirstLook, PartFigures
-from robophm.health.knowing import LargestUnknown
+from robophm.health.rate_sensitivity import LargestUnknown
 from robophm.health.uncertainty import Interval
 from robophm.parts import library
 from robophm.report.words import duration_text, number_text, percent_text, rate_text
@@ -14,7 +14,7 @@ _ASKED = {"mtbf": "MTBF", "mttf": "mean life", "l10": "L10", "b10": "B10", "rate
 
 
 def figure_rows(look: FirstLook) -> list[tuple[str, str, str, str]]:
-    """What is stated, and its 5 %, middle and 95 %."""
+    """Rows of the figures of a robot: name, 5 % quantile, median and 95 % quantile, as texts."""
     life, median, fails = look.ranges.remaining_life, look.ranges.median_life, look.ranges.failure
 
     def row(what: str, interval: Interval, text: Callable[[float], str]) -> tuple[str, str, str, str]:
@@ -31,7 +31,7 @@ def figure_rows(look: FirstLook) -> list[tuple[str, str, str, str]]:
 
 
 def advice(look: FirstLook) -> Iterator[str]:
-    """Whom to ask for what, what would narrow the ranges most first."""
+    """Yield sentences that say whom to ask for which figure; the one that would narrow the ranges most comes first."""
     if look.left_out:
         yield f"{look.left_out.words}: nobody knows how often they fail; any figure of their makers helps"
     for one in look.unknowns:

@@ -28,6 +28,7 @@ from robophm.report.minimal_sets import what_it_takes_to_fail
 from robophm.report.outline import Label
 from robophm.report.page import figure, page, section, side_by_side, table_html, tile, tiles
 from robophm.report.style import Tone
+from robophm.report.wear import wear_table
 from robophm.report.why import reasons, sentence
 from robophm.report.words import duration_text, number_text, odds_text, percent_text, rate_text
 
@@ -63,6 +64,8 @@ def _sections(
     yield section("How it is wired", *chain.from_iterable(wiring))
     yield section("Curves", side_by_side(*_history_curves(report.robot, history), *_outlook_curves(robot, report)))
     yield section("Modules", _subject_table(report.subjects))
+    if report.wear:
+        yield section("What is seen to wear", *wear_table(report.wear, report.outlooks["sensor_based"].plant))
     yield section("What it takes to fail", *what_it_takes_to_fail(robot, report))
     yield section("Why", *reasons(found))
     yield section("What will fail it", *contributors(report.failures_to_come, report.components))

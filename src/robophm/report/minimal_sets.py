@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from robophm.blocks.diagram import units
 from robophm.blocks.listed_sets import ORDERS, ListedSets
-from robophm.blocks.merging import single_points_of_failure
+from robophm.blocks.single_points import single_points_of_failure
 from robophm.core.errors import StructureError
 from robophm.design.robot import Robot
 from robophm.health.fault_tree import fault_tree

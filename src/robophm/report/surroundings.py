@@ -1,4 +1,4 @@
-"""What a design takes for where its parts work, in words, wherever somebody should know."""
+"""Sentences on the environments and qualities that the parts of a design are rated for."""
 
 from __future__ import annotations
 

@@ -38,6 +38,8 @@ def _of_share(part: DecidingPart) -> str:
 def _because(part: DecidingPart) -> str:
     if part.silent:
         return ": its sensor is silent"
+    if part.wear:
+        return ": it is seen to wear"
     if math.isnan(part.pace) or abs(part.pace - 1) < NOTABLE:
         return ""
     seen = ", ".join(_value(one.observed, one) for one in part.stresses)
@@ -60,6 +62,7 @@ def reasons(found: Explanation) -> Iterator[str]:
         for one in part.stresses:
             name = one.name.replace("_", " ")
             yield f"  {name} {_value(one.observed, one)}, designed for {_value(one.designed, one)} ({one.signal})"
+        yield from (f"  {one}" for one in part.wear)
         if part.silent:
             yield "  a sensor of it is silent: its figures rest on that"
         if part.relieved is not None:

@@ -45,7 +45,7 @@ def open_store(address: Address) -> Store:
 def existing_store(address: Address) -> Store:
     """A store that is there, opened. Raises StoreError where it is not, or is none."""
     if not store_exists(address):
-        raise StoreError(f"{place_of(address)}: no such store; `robophm replay --store` makes it")
+        raise StoreError(f"{place_of(address)}: no such store")
     return open_store(address)
 
 
@@ -56,7 +56,7 @@ def store_exists(address: Address) -> bool:
 
 
 def place_of(address: Address) -> str:
-    """Where a store is: its address without its name."""
+    """The place of a store, such as its path: the address without the kind of store before it."""
     return _split(address)[1]
 
 

@@ -16,17 +16,17 @@ from robophm.stores.store import Progress, Store
 VERSION = 2
 """Version of the tables; kept in the file's user_version."""
 
-_TABLES = """
-CREATE TABLE ledger (robot TEXT PRIMARY KEY, revision INTEGER NOT NULL, state TEXT NOT NULL) STRICT;
-CREATE TABLE progress (
+_TABLES = (
+    "CREATE TABLE ledger (robot TEXT PRIMARY KEY, revision INTEGER NOT NULL, state TEXT NOT NULL) STRICT",
+    """CREATE TABLE progress (
     robot TEXT NOT NULL, recording TEXT NOT NULL, position INTEGER NOT NULL, complete INTEGER NOT NULL,
     notes TEXT NOT NULL,
     PRIMARY KEY (robot, recording)
-) STRICT;
-CREATE TABLE report (
+) STRICT""",
+    """CREATE TABLE report (
     robot TEXT NOT NULL, time INTEGER NOT NULL, body TEXT NOT NULL, PRIMARY KEY (robot, time)
-) STRICT, WITHOUT ROWID;
-"""
+) STRICT, WITHOUT ROWID""",
+)
 
 
 class SqliteStore(Store):
@@ -47,14 +47,26 @@ class SqliteStore(Store):
 
     def _open(self) -> None:
         self._base.execute("PRAGMA busy_timeout = 10000")
-        version = self._base.execute("PRAGMA user_version").fetchone()[0]
-        tables = self._base.execute("SELECT count(*) FROM sqlite_schema").fetchone()[0]
-        if version == 0 and tables == 0:
+        if self._is_empty():
             self._base.execute("PRAGMA journal_mode = WAL")
-            self._base.executescript(f"BEGIN IMMEDIATE; {_TABLES} PRAGMA user_version = {VERSION}; COMMIT;")
-        elif version != VERSION:
+            self._base.execute("BEGIN IMMEDIATE")
+            try:
+                if self._is_empty():  # nobody else has made the tables meanwhile
+                    for table in _TABLES:
+                        self._base.execute(table)
+                    self._base.execute(f"PRAGMA user_version = {VERSION}")
+                self._base.execute("COMMIT")
+            except BaseException:
+                self._base.execute("ROLLBACK")
+                raise
+        version = self._base.execute("PRAGMA user_version").fetchone()[0]
+        if version != VERSION:
             raise StoreError(f"{self.path}: not a robophm store of version {VERSION} (its version is {version})")
         self._base.execute("PRAGMA synchronous = FULL")
+
+    def _is_empty(self) -> bool:
+        version = self._base.execute("PRAGMA user_version").fetchone()[0]
+        return not version and not self._base.execute("SELECT count(*) FROM sqlite_schema").fetchone()[0]
 
     def ledger(self, robot: str) -> Mapping[str, Any] | None:
         """Return the robot's ledger as it was saved, or None. Raises StoreError where it cannot be read."""

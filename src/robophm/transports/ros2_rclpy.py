@@ -27,7 +27,7 @@ from robophm.transports.signals.incidents import UnknownTypeError
 __all__ = ["Node", "Publisher", "Ros2Rclpy"]
 
 LOOK_SECONDS = 0.5
-"""Between two looks at who publishes: rclpy does not tell of changes."""
+"""The time between two looks at who publishes [s]: rclpy does not tell of changes."""
 
 _UNNUMBERED = (1 << 64) - 1
 _OPEN: dict[int, RclpyGraph] = {}

@@ -37,7 +37,7 @@ TOKEN_PAGE = b"""<!doctype html>
 <form action="/"><label>Token <input type="password" name="token" required autocomplete="current-password"></label>
 <button>Open</button></form></main></body></html>
 """
-"""For a person whose browser does not know the token; programs get it in JSON."""
+"""The page that asks a person for the token where the browser does not know it; programs are told in JSON."""
 
 REPORT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
 """Content security policy of a stand-alone report, whose style is within."""

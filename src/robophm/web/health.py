@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal
 
 from robophm.core.signal import SECOND
+from robophm.health.plant import Plant
 from robophm.health.prognosis import RemainingLife
 from robophm.health.report import HealthReport
 from robophm.health.reporting import with_earlier_look
 from robophm.health.subject import Figures, Subject
 from robophm.health.why import Explanation
+from robophm.health.worn import SeenWear
 from robophm.report.failures_to_come import FEW, notes, shown
+from robophm.report.wear import ranked, says
 from robophm.report.why import reasons, sentence
 from robophm.web.monitoring import Run
 from robophm.web.prepared_robot import finite, unknown_of
@@ -50,6 +54,29 @@ class SubjectHealth(Shape):
     unknown: UnknownRates | None
 
 
+class WornPart(Shape):
+    """The wear of a failure mode that a sensor sees; times on the clock of its readings, from the last one on."""
+
+    mode: str
+    part: str
+    signal: str
+    state: Literal["foretold", "no trend", "not followed", "reached", "too few readings"]
+    critical: bool
+    """Whether its threshold is reached, or no model follows it."""
+    says: str
+    """A sentence of all that is to be said of it."""
+    unit: str
+    readings: int
+    last: float | None
+    threshold: float
+    early: float | None
+    """Time until which the threshold is reached with a probability of 5 %; null where nothing is foretold."""
+    median: float | None
+    late: float | None
+    alarm: bool
+    """Whether its signal has changed against its first readings."""
+
+
 class Contributor(Shape):
     """The share that a part has in the failures to come."""
 
@@ -66,7 +93,7 @@ class ToCome(Shape):
     """Which parts the failures within a horizon will come from, given what is known now."""
 
     horizon: float
-    """[h of calendar time]"""
+    """The time from now on in which failures are looked for [h of calendar time]."""
     stated: bool
     """Whether it was asked for; else it is the robot's median remaining life."""
     nominal_failure: float | None
@@ -85,7 +112,7 @@ class Freshness(Shape):
     unit: str | None
     value: float | None
     age: float | None
-    """[s] before the newest sample; null where it never spoke."""
+    """The time from its last sample to the newest of all [s]; null where it never spoke."""
     max_age: float | None
     stale: bool
 
@@ -113,11 +140,13 @@ class Health(Shape):
     design_changed: bool
     """Whether the design has been changed since monitoring began."""
     time: float | None
-    """[s since the epoch], of the samples."""
+    """The time of the samples that it is made of [s since the epoch]."""
     samples: int
     looks: int
     clocks: dict[str, float]
     subjects: list[SubjectHealth]
+    wear: list[WornPart]
+    """The parts that are seen to wear: what is critical first, then what comes first to its threshold."""
     to_come: ToCome | None
     """Failures to come; null before remaining life, on which they rest, has been worked out."""
     limits_set: bool
@@ -152,12 +181,27 @@ def health_of(
         looks=run.looks if run else 0,
         clocks=dict(report.clocks),
         subjects=[_subject(one, latest.get(one.path)) for one in report.subjects],
+        wear=worn_parts(report.wear, report.outlooks["sensor_based"].plant),
         to_come=_to_come(lives, horizon) if lives else None,
         limits_set=report.design.limited,
         sensors=sensors,
         notes=list(report.notes),
         task=TaskWords(distance=report.task.distance, duration=report.task.duration) if report.task else None,
     )
+
+
+def worn_parts(seen: Sequence[SeenWear], plant: Plant) -> list[WornPart]:
+    """The wear that is seen, as a response."""
+    names = ("mode", "part", "signal", "state", "critical", "unit", "readings", "last", "threshold")
+    times = ("early", "median", "late")
+    return [
+        WornPart.model_validate(
+            {name: getattr(one, name) for name in names}
+            | {name: finite(getattr(one, name)) for name in times}
+            | {"says": says(one, plant), "alarm": one.alarming is not None}
+        )
+        for one in ranked(seen)
+    ]
 
 
 def _subject(one: Subject, latest: Subject | None) -> SubjectHealth:

@@ -58,6 +58,13 @@ def _lines(service: Service) -> Iterator[str]:
     yield "# TYPE robophm_parts_of_unknown_rate gauge"
     left_out = report.system.unknown
     yield f'robophm_parts_of_unknown_rate{{robot="{robot}"}} {left_out.parts if left_out else 0}'
+    if report.wear:
+        yield "# HELP robophm_wear_remaining Median of what a part's wear has to its threshold, on the part's own clock"
+        yield "# TYPE robophm_wear_remaining gauge"
+        for worn in report.wear:
+            labels = f'robot="{robot}",mode="{_label(worn.mode)}",unit="{worn.unit}",state="{worn.state}"'
+            left = 0.0 if worn.state == "reached" else worn.median
+            yield f"robophm_wear_remaining{{{labels}}} {_number(left)}"
     yield "# HELP robophm_clock_total How far each clock has gone: hours, kilometres, cycles, starts"
     yield "# TYPE robophm_clock_total counter"
     for clock, value in report.clocks.items():

@@ -23,9 +23,10 @@ from robophm.monitoring.live_loop import watch
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import kept_ledger
 from robophm.monitoring.task_history import TaskRecord, judge_on_the_way
+from robophm.monitoring.wear_watch import WearWatch
 from robophm.stores import Address, open_store, store_exists
 from robophm.transports.recordings.journal import Journal
-from robophm.transports.signals.sink import JudgedTask
+from robophm.transports.signals.report_sink import JudgedTask
 from robophm.transports.signals.source import LiveItem, LiveSource, SignalSource, TopicInfo
 from robophm.transports.tasks.listener import known_topics
 from robophm.web.series import Board
@@ -191,7 +192,7 @@ class Monitoring:
                 newest = monitor.ledger.newest or 0
                 monitor.marks = [mark for mark in monitor.marks if mark[0] <= newest]
                 monitor.reach_marks()
-                look.at(monitor, full=True)
+                look.last(monitor)
                 run.notes = dict(source.notes)
             run.state = "stopped" if run.stopped else "ended"
         except (RobophmError, OSError) as error:
@@ -206,6 +207,7 @@ class _Looking:
 
     def __init__(self, run: Run, board: Board) -> None:
         self._run, self._board = run, board
+        self._wear = WearWatch(run.robot, alarms=True)
         self._due = {False: 0.0, True: 0.0}
 
     def __call__(self, monitor: Monitor) -> None:
@@ -217,14 +219,23 @@ class _Looking:
 
     def warm(self, monitor: Monitor) -> None:
         """Take first reports, whose preparations do not count as what looking takes."""
+        self._wear.renewed(monitor.ledger)
         self.at(monitor, full=True)
         self._due = {False: 0.0, True: 0.0}
+
+    def last(self, monitor: Monitor) -> None:
+        """Take a report with all that was read."""
+        self._wear.close()
+        self._wear.renewed(monitor.exposure.settled(monitor.ledger))
+        self.at(monitor, full=True)
 
     def at(self, monitor: Monitor, *, full: bool) -> None:
         """Take a report now."""
         begun, run = time.thread_time(), self._run
         ledger = monitor.exposure.settled(monitor.ledger)
-        report = health_report(monitor.plant, monitor.exposure, ledger, remaining_life=full)
+        self._wear.renew_soon(ledger)
+        wear = self._wear.latest(ledger)
+        report = health_report(monitor.plant, monitor.exposure, ledger, remaining_life=full, wear=wear)
         run.ledger, run.report = ledger, report
         if full:
             _ = report.failures_to_come  # here, so that whoever looks does not wait for it

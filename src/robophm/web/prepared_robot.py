@@ -10,13 +10,14 @@ from dataclasses import asdict
 from functools import cached_property
 from typing import Literal
 
-from robophm.blocks.merging import single_points_of_failure
+from robophm.blocks.single_points import single_points_of_failure
 from robophm.design.robot import Module, Robot
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 from robophm.health.when_new import hazard_rates
+from robophm.monitoring.wear_watch import WearWatch
 from robophm.web.shapes import LevelFigures, UnknownRates
 
 _KEPT = 4
@@ -28,6 +29,8 @@ class PreparedRobot:
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self.plant = Plant(robot)
+        self.wear = WearWatch(robot)
+        """Forecasts of its wear."""
 
     @cached_property
     def new(self) -> Outlook:

@@ -28,6 +28,13 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 
+LONGEST_END = 10.0
+"""The most seconds to wait for a thread that is reading the design."""
+
+FOLLOWED_EVERY = 1.0
+"""Seconds between two looks at the design's file."""
+
+
 @dataclass(frozen=True)
 class Settings:
     """The settings that the service was started with."""
@@ -52,12 +59,25 @@ class Service:
         self.jobs = Jobs()
         self.sources: Mapping[str, Choice] = choices(settings.recordings, seed=settings.seed)
         self._shelf = PreparedRobots()
+        self.changed_outside = False
+        """Whether the file holds what somebody else has made of it, and taking it would lose edits or is impossible."""
+        self._ended = threading.Event()
         # A design of thousands of parts takes seconds to be read: they are over when a browser asks.
-        threading.Thread(target=self._read_ahead, name="read ahead", daemon=True).start()
+        self._threads = [
+            threading.Thread(target=work, name=name, daemon=True)
+            for work, name in ((self._read_ahead, "read ahead"), (self._follow_file, "follow the file"))
+        ]
+        for thread in self._threads:
+            thread.start()
 
     def _read_ahead(self) -> None:
         with suppress(RobophmError, sqlite3.Error):
             self.design_state()
+
+    def _follow_file(self) -> None:
+        while not self._ended.wait(FOLLOWED_EVERY):
+            with suppress(RobophmError, sqlite3.Error):
+                self.changed_outside = self.workspace.follow_file()
 
     def prepared(self, state: int | None = None) -> PreparedRobot:
         """Return the robot of the design now, or of an earlier state. Raises DesignError where that is no design."""
@@ -97,6 +117,7 @@ class Service:
             name=name if isinstance(name, str) else self.settings.design.stem,
             file=self.settings.design.name,
             document=json_values(checked.document),
+            history=self.workspace.history,
             saved=draft.saved,
             undo=(draft.what or "the last change") if draft.undo else None,
             redo=draft.redo,
@@ -108,6 +129,9 @@ class Service:
 
     def close(self) -> None:
         """End monitoring and jobs; let go of files."""
+        self._ended.set()
+        for thread in self._threads:  # a thread that still computes when the process ends may abort it
+            thread.join(timeout=LONGEST_END)
         self.monitoring.stop()
         self.jobs.close()
         self.workspace.close()

@@ -62,7 +62,7 @@ class _Server(uvicorn.Server):
 
     @contextmanager
     def capture_signals(self) -> Iterator[None]:
-        """Nothing: they are taken before it runs, and until all is let go of."""
+        """Take no signals here: ``serve`` takes them before the server runs, and until everything is closed."""
         yield
 
 

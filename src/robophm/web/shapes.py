@@ -44,9 +44,11 @@ class DesignState(Shape):
     name: str
     file: str
     document: dict[str, Any]
+    history: int
+    """Number of the history in which states are numbered; another one begins where the edits' file is lost."""
     saved: bool
     undo: str | None
-    """Edit that would be undone; null where nothing is."""
+    """Latest edit of all, which would be undone; null where nothing is."""
     redo: str | None
     valid: bool
     problems: list[Problem]
@@ -192,6 +194,13 @@ class OfRevision(Shape):
     """Which revision a write is made of."""
 
     revision: int
+
+
+class OfEdit(OfRevision):
+    """Which edit is undone or done again."""
+
+    edit: int | None = None
+    """The state that it made; null is the latest of all. Edits after it stay."""
 
 
 class SaveAsked(OfRevision):

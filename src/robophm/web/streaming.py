@@ -109,6 +109,7 @@ class Viewer:
             "monitoring": self._service.monitoring.state,
             "looks": run.looks if run else 0,
             "revision": self._service.workspace.revision,
+            "outside": self._service.changed_outside,
         }
 
 

@@ -10,6 +10,7 @@ import difflib
 import hashlib
 import io
 import itertools
+import secrets
 import sqlite3
 import threading
 import time
@@ -22,6 +23,7 @@ from typing import Any
 
 from robophm.core.errors import DesignError, StoreError
 from robophm.core.yaml_values import MAX_BYTES
+from robophm.design.carried_edits import carry
 from robophm.design.file import read, write_text
 from robophm.design.located_error import LocatedError
 from robophm.design.naming import design_name, quoted
@@ -86,6 +88,7 @@ class Workspace:
         """The checked texts, such as that of the design now."""
         self._document: tuple[int, Any] | None = None  # of which state, as ruamel keeps it
         self._revision = 0
+        self._seen: str | None = None  # in the file at the last call of follow_file
         self._stamp: tuple[tuple[int, ...], bool] | None = None  # of the file when it was last looked at
         if not path.parent.is_dir():
             raise DesignError(f"{path}: no such folder")
@@ -108,6 +111,9 @@ class Workspace:
         if not tables:
             self._base.execute("PRAGMA journal_mode = WAL")
             self._base.executescript(f"BEGIN IMMEDIATE; {_TABLES} PRAGMA user_version = {VERSION}; COMMIT;")
+            self._base.execute(f"PRAGMA application_id = {secrets.randbelow(2**31)}")
+        self.history: int = self._base.execute("PRAGMA application_id").fetchone()[0]
+        """Number of these edits among all others of the same file's name, kept with them."""
         self._base.execute("PRAGMA synchronous = NORMAL")
         if self._base.execute("SELECT count(*) FROM here").fetchone()[0] == 0:
             with self._base:
@@ -193,19 +199,42 @@ class Workspace:
                 raise LocatedError((), check(text).problems[0].message)
             return self._move(text, what)
 
-    def undo(self, revision: int) -> Draft:
-        """Go back to the state before; where there is none, nothing happens. Raises StaleError."""
+    def undo(self, revision: int, edit: int | None = None) -> Draft:
+        """Take back the latest edit, or the one that made the state ``edit``; where there is none, nothing happens.
+
+        What came after that edit stays. Raises StaleError, and LocatedError where a later edit touches the same place.
+        """
         with self._lock:
             self._current(revision)
-            return self._go(self._origin(self._here()[0])[0])
+            state = self._here()[0]
+            if edit is None or edit == state:
+                return self._go(self._origin(state)[0])
+            before, what = self._known(edit)
+            return self._carry(edit, before, f"undo: {what}") if before is not None else self.draft()
 
-    def redo(self, revision: int) -> Draft:
-        """Go forward to what was undone last; where there is nothing, nothing happens. Raises StaleError."""
+    def redo(self, revision: int, edit: int | None = None) -> Draft:
+        """Do again what was undone last, or the edit that made the state ``edit``; where there is none, do nothing.
+
+        Raises StaleError, and LocatedError where another edit since touches the same place.
+        """
         with self._lock:
             self._current(revision)
             query = "SELECT id FROM state WHERE parent = ? ORDER BY id DESC LIMIT 1"
             row = self._base.execute(query, (self._here()[0],)).fetchone()
-            return self._go(row[0] if row else None)
+            if edit is None or (row and row[0] == edit):
+                return self._go(row[0] if row else None)
+            before, what = self._known(edit)
+            return self._carry(before, edit, what) if before is not None else self.draft()
+
+    def _known(self, edit: int) -> tuple[int | None, str]:
+        """The state before an edit, and what it was. Raises DesignError where there is no such edit."""
+        self.text(edit)
+        return self._origin(edit)
+
+    def _carry(self, before: int, after: int, what: str) -> Draft:
+        """Change the design now as one state was changed into another."""
+        states = load(self._text(before)), load(self._text(after))
+        return self._move(self.edited(lambda document: carry(document, *states), keep=True), what)
 
     def save(self, revision: int, over: str | None = None) -> Draft:
         """Write the file, what was there kept beside it.
@@ -272,6 +301,32 @@ class Workspace:
         settled = time.time_ns() - stat.st_mtime_ns > _SETTLED  # else another write may leave the same stamp
         self._stamp = (stamp, touched) if settled else None
         return touched
+
+    def follow_file(self) -> bool:
+        """Take in what somebody has made of the file, where nothing here is lost by it; return whether it is left.
+
+        It is left to whoever edits here where there are edits that are not saved, or where the file is no design. A
+        file is taken once it is as it was at the call before: to be called again and again.
+        """
+        with self._lock:
+            state, revision, saved = self._here()
+            before, self._seen = self._seen, None
+            if saved is None or not self._touched(saved):
+                return False
+            try:
+                text = self._seen = read(self.path)
+            except DesignError:
+                return True
+            mine = self._text(state)
+            if text == mine:  # the same was made of it here and there
+                with self._base:
+                    self._base.execute("UPDATE here SET saved = ?, revision = ?", (state, revision + 1))
+            elif mine != self._text(saved) or self.checked.of(text).robot is None:
+                return True
+            elif text == before:
+                self._take_in(text)
+            self._here()  # which takes note of the revision
+            return False
 
     def close(self) -> None:
         """Let go of the file of edits."""

@@ -285,7 +285,7 @@ def test_lives_of_items_that_are_repaired_are_no_lives(tmp_path):
     data = lifts(tmp_path, "a,5,\na,40,\nb,20,\n")
     assert data.items_repeat
     for asked in (fit, fit_all):
-        with pytest.raises(DataError, match="items have several rows; expected --repairable"):
+        with pytest.raises(DataError, match="items have several rows; expected one life each, or repaired systems"):
             asked(data)
     assert not lifts(tmp_path, "a,5,\nb,40,\n").items_repeat
 
@@ -312,7 +312,7 @@ def test_a_fitted_life_in_a_design(tmp_path):
         ),
         (
             "time [h]\n100\n",
-            r"1 failure: too few for weibull, which has 2 parameters; .* or --distribution exponential",
+            r"1 failure: too few for weibull, which has 2 parameters; .* or an exponential distribution",
         ),
         ("time [h]\n100\n100\n100\n", r"all 3 failures at 100 h: no spread to fit; expected at least two different"),
         ("time [h]\n-5\n7\n", r":2: time: -5 is negative; expected a life, above 0"),

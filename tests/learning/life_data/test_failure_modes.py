@@ -149,7 +149,7 @@ def test_a_figure_far_outside_the_data_is_no_finding():
     found = fit(circuits())
     assert found.mean > 1e15
     assert found.known_until == UNKNOWN * 1370
-    assert any("of which these data tell nothing; --some-never-fail" in note for note in found.notes)
+    assert any("of which these data tell nothing; a fit with parts that never fail" in note for note in found.notes)
     with pytest.raises(DataError, match="whose mean would lie beyond 137000 h, 100 times the longest time seen"):
         design_keys(found)
     some = fit(life_data([20.0, 60, 80], [100.0] * 97))

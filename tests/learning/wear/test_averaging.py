@@ -168,6 +168,24 @@ def test_wear_that_leads_away_has_no_life_that_can_be_said():
     assert not found.said
 
 
+def test_before_a_trend_shows_nothing_is_foretold_but_what_its_age_says():
+    """Of a thing seen at no special time of its life 5 % go on for less than a nineteenth of its age (Gott 1993)."""
+    quiet = 0.3 + 0.02 * np.random.default_rng(1).standard_normal(200)
+    found = forecast(np.arange(1.0, 201.0), quiet, 1.2)
+    assert (found.shows, found.said) == (False, False)
+    assert found.remaining.low == pytest.approx(200 / 19, rel=0.01)
+    assert np.isinf(found.remaining.median)
+    damaged = quiet + 0.01 * np.maximum(np.arange(200) - 160.0, 0)
+    assert forecast(np.arange(1.0, 201.0), damaged, 1.2).shows
+
+
+def test_a_burst_of_bad_readings_is_no_maintenance():
+    rng = np.random.default_rng(2)
+    wear = 0.01 * np.arange(60) + 0.005 * rng.standard_normal(60)
+    wear[30:32] += 1.5
+    assert recoveries(np.arange(60.0), wear, 2.0)[1] == -np.inf
+
+
 def test_the_cumulative_hazard_is_of_what_is_drawn():
     found = forecast(np.arange(8), CRACK[:8], 1.6)
     for level, time in zip((0.05, 0.5, 0.95), found.remaining, strict=True):

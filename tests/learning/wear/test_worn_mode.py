@@ -137,7 +137,7 @@ def test_what_the_load_does_is_not_taken_for_noise(tmp_path: Path) -> None:
     [
         ("wheels", {"threshold": 0.7}, "'wheels' is 2 equal parts"),
         ("battery", {}, "at which value is 'battery' worn out"),
-        ("battery", {"threshold": 0.7, "load": 1.0}, "a column 'load' and --load"),
+        ("battery", {"threshold": 0.7, "load": 1.0}, "a column 'load', and the load at which"),
     ],
 )
 def test_what_says_too_little_is_refused(falling: Path, path: str, words: dict[str, object], says: str) -> None:

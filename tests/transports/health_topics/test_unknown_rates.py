@@ -25,7 +25,7 @@ from robophm.transports.health_topics.report_fields import (
     task_completion,
     task_completions,
 )  # fmt: skip
-from robophm.transports.signals.sink import JudgedTask
+from robophm.transports.signals.report_sink import JudgedTask
 
 WARN, STALE = 1, 3
 

@@ -11,7 +11,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
-from itertools import pairwise
+from itertools import count, pairwise
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import SECOND
+from robophm.core.signal import SECOND, signal_name
 from robophm.transports.live.listening import listen_for
 from robophm.transports.signals.source import LiveSource, WholeMessage
 
@@ -67,10 +67,11 @@ def open_source(room: ModuleType, **settings: Any) -> LiveSource:
 @pytest.fixture
 def publish(room: ModuleType) -> Iterator[Callable[..., Any]]:
     """Make a publisher in a node of its own."""
+    numbers = count()
     with ExitStack() as stack:
 
         def make(topic: str, type_: str, definition: str | None = None, *, latched: bool = False) -> Any:
-            node = stack.enter_context(room.Node(f"/of{topic.replace('/', '_')}"))
+            node = stack.enter_context(room.Node(f"/of{topic.replace('/', '_')}_{next(numbers)}"))
             return stack.enter_context(room.Publisher(node, topic, type_, definition, latched=latched))
 
         yield make
@@ -126,6 +127,68 @@ def test_elements_by_their_names_in_any_order(source: LiveSource, publish: Calla
     (said,) = [what for what in source.notes.copy() if what.startswith("never named")]
     assert said.startswith("never named: /c/joints.effort[nobody]")
     assert "elbow" in said
+
+
+INTERFACES = {"DynamicJointState": "string[] joint_names\ncontrol_msgs/InterfaceValue[] interface_values\n",
+              "InterfaceValue": "string[] interface_names\nfloat64[] values\n"}  # fmt: skip
+
+
+def test_values_that_joints_and_devices_name_are_heard_and_listed(
+    source: LiveSource, room: ModuleType, publish: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A status and its key, a joint and its interface; each of two nodes tells of its own on one topic."""
+    if room.__name__.endswith("rclpy") and importlib.util.find_spec("control_msgs") is None:
+        pytest.skip("control_msgs is not installed")
+    folder = tmp_path / "share" / "control_msgs" / "msg"  # as a robot with ros2_control has them
+    folder.mkdir(parents=True)
+    for name, text in INTERFACES.items():
+        (folder / f"{name}.msg").write_text(text)
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(tmp_path))
+    text = INTERFACES["DynamicJointState"] + "=" * 80 + "\nMSG: control_msgs/InterfaceValue\n"
+    joints = publish("/c/dynamic_joint_states", "control_msgs/DynamicJointState", text + INTERFACES["InterfaceValue"])
+    nodes = [publish("/c/diagnostics", "diagnostic_msgs/DiagnosticArray") for _ in range(2)]
+    pairs = [signal_name("/c/dynamic_joint_states", "elbow/effort"), signal_name("/c/diagnostics", "motor 3/temp")]
+    heard = Heard(source, *pairs)
+    within(8, lambda: joints.subscribers == nodes[0].subscribers == nodes[1].subscribers == 1)
+    for order, efforts in ((["elbow", "wrist"], [3.0, 1.0]), (["wrist", "elbow"], [1.0, 4.0])):
+        value = joints.types["control_msgs/msg/InterfaceValue"]
+        inside = [value(interface_names=["effort"], values=np.array([one])) for one in efforts]
+        joints.publish(joints.types["control_msgs/msg/DynamicJointState"](order, inside))
+    told = [{"motor 3": [("temp", "41.5")]}, {"battery": [("state", "ok")]}, {"motor 3": [("temp", "hot")]}]
+    listed: list[Any] = []
+    with open_source(room) as another:
+        listing = threading.Thread(target=lambda: listed.extend(listen_for(another, 3.0)))
+        listing.start()
+        within(8, lambda: nodes[0].subscribers == nodes[1].subscribers == 2)
+        for node, said in zip([*nodes, nodes[0]], told, strict=True):
+            for name, values in said.items():
+                inside = [node.types["diagnostic_msgs/msg/KeyValue"](key=key, value=text) for key, text in values]
+                status = node.types["diagnostic_msgs/msg/DiagnosticStatus"](
+                    level=0, name=name, message="", hardware_id="", values=inside
+                )
+                array = node.types["diagnostic_msgs/msg/DiagnosticArray"]
+                node.publish(array(header(node, time.time_ns()), [status]))
+        listing.join()
+    within(5, lambda: len(heard.of(pairs[1])) == 2)
+    assert heard.of(pairs[0]) == [3.0, 4.0]
+    assert heard.of(pairs[1])[0] == 41.5
+    assert np.isnan(heard.of(pairs[1])[1])
+    (diagnostics,) = [one for one in listed if one.info.topic == "/c/diagnostics"]
+    assert sorted(diagnostics.names["status[]"]) == ["battery", "motor 3"]
+    assert diagnostics.names["status[motor 3].values[]"] == ["temp"]
+
+
+def test_one_number_of_an_array_of_raw_samples(source: LiveSource, publish: Callable[..., Any]) -> None:
+    """A sine of amplitude 2 at 50 Hz, sampled at 1 kHz, on top of 3; an array that is empty says nothing."""
+    raw = publish("/c/raw", "std_msgs/Float32MultiArray")
+    signals = ["/c/raw.data[:rms]", "/c/raw.data[:band 40-60 of 1000]", "/c/raw.data[:band 60-400 of 1000]"]
+    heard = connected(raw, Heard(source, *signals))
+    layout = raw.types["std_msgs/msg/MultiArrayLayout"]([], 0)
+    for values in (3 + 2 * np.sin(2 * np.pi * 50 * np.arange(1000) / 1000), np.empty(0)):
+        raw.publish(raw.types["std_msgs/msg/Float32MultiArray"](layout, values.astype(np.float32)))
+    within(5, lambda: len(heard.of(signals[2])) == 1)
+    assert [heard.of(signal)[0] for signal in signals] == pytest.approx([2**0.5, 2**0.5, 0.0], abs=1e-5)
+    within(5, lambda: any("/c/raw" in what for what in source.notes.copy()))
 
 
 def test_what_has_come_is_taken_when_it_stops(source: LiveSource, publish: Callable[..., Any]) -> None:

@@ -13,7 +13,7 @@ import pytest
 from robophm.core.signal import Sample
 from robophm.transports.health_topics.definitions import definition, typestore
 from robophm.transports.health_topics.message_of_fields import compose
-from robophm.transports.live.decoding import Reading
+from robophm.transports.live.decoding import TopicDecoder
 from robophm.transports.live.receiving import Queue, Receiver
 from robophm.transports.signals.incidents import Incidents
 from robophm.transports.signals.source import Gap, WholeMessage
@@ -78,7 +78,7 @@ def test_damaged_messages(generation: Any) -> None:
         type_ = (
             compiled(topic, name.replace("/msg/", "/"), text) if generation == 1 else defined(topic, name, text).type
         )
-        readings[topic] = Reading(topic, type_, [f"{topic}.{field}" for field in fields], "x")
+        readings[topic] = TopicDecoder(topic, type_, [f"{topic}.{field}" for field in fields], "x")
         message = compose(store, name, content)
         raws[topic] = bytes((store.serialize_ros1 if generation == 1 else store.serialize_cdr)(message, name))
     for _ in range(MESSAGES):

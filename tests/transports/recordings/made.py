@@ -13,6 +13,12 @@ from robophm.core.signal import SECOND
 TEMPERATURE = "sensor_msgs/msg/Temperature"
 JOINTS = "sensor_msgs/msg/JointState"
 T0 = 1_699_963_200 * SECOND  # noon
+COMPRESSED = [
+    (".bag", "new.bag", "BZ2"), (".bag", "new.bag", "LZ4"), (".db3", "new.sqlite3", "FILE"),
+    (".db3", "new.sqlite3", "MESSAGE"), (".mcap", "new.mcap", "FILE"), (".mcap", "new.mcap", "MESSAGE"),
+    (".mcap", "new.mcap", "STORAGE"),
+]  # fmt: skip
+"""What ``rewrite`` can make: of recordings with which suffix, called what, compressed how."""
 
 
 def temperature(stamp: int, value: float = 20.0) -> Callable[[Any], object]:

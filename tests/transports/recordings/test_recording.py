@@ -20,7 +20,7 @@ from robophm.transports.recordings.recording import Recording
 from robophm.transports.synthetic import SyntheticOta
 
 from ..conftest import SIGNALS
-from .made import JOINTS, T0, TEMPERATURE, joints, rewrite, rewrite_mcap, ros1_in_mcap, temperature
+from .made import COMPRESSED, JOINTS, T0, TEMPERATURE, joints, rewrite, rewrite_mcap, ros1_in_mcap, temperature
 
 
 def read(*paths: Path, signals: tuple[str, ...] = SIGNALS) -> list[Sample]:
@@ -89,18 +89,7 @@ def test_three_formats_read_alike(recorded: dict[str, Path], drive: SyntheticOta
     assert read(recorded[".db3"] / "drive.db3") == expected
 
 
-@pytest.mark.parametrize(
-    ("suffix", "target", "compression"),
-    [
-        (".bag", "new.bag", "BZ2"),
-        (".bag", "new.bag", "LZ4"),
-        (".db3", "new.sqlite3", "FILE"),
-        (".db3", "new.sqlite3", "MESSAGE"),
-        (".mcap", "new.mcap", "FILE"),
-        (".mcap", "new.mcap", "MESSAGE"),
-        (".mcap", "new.mcap", "STORAGE"),
-    ],
-)
+@pytest.mark.parametrize(("suffix", "target", "compression"), COMPRESSED)
 def test_compressed(suffix: str, target: str, compression: str, recorded: dict[str, Path], tmp_path: Path) -> None:
     assert read(rewrite(recorded[suffix], tmp_path / target, compression)) == read(recorded[suffix])
 

@@ -22,7 +22,7 @@ from robophm.transports.health_topics import HealthTopics, Outlet
 from robophm.transports.health_topics.definitions import PACKAGE, definition
 from robophm.transports.ros1 import Node, Publisher
 from robophm.transports.ros1.definition import md5_of
-from robophm.transports.signals.sink import JudgedTask
+from robophm.transports.signals.report_sink import JudgedTask
 
 from ..listener import within
 from .conftest import System

@@ -11,7 +11,7 @@ from robophm.design.file import parse
 from robophm.health.report import HealthReport
 from robophm.monitoring.live_loop import watch
 from robophm.transports.ros1 import Ros1
-from robophm.transports.signals.sink import JudgedTask, ReportSink
+from robophm.transports.signals.report_sink import JudgedTask, ReportSink
 from robophm.transports.tasks.listener import topics_of
 
 from ..listener import within

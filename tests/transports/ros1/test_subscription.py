@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import threading
@@ -12,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import SECOND
+from robophm.core.signal import SECOND, signal_name
 from robophm.transports.recordings.recording import Recording
 from robophm.transports.ros1 import Ros1
 
@@ -72,6 +73,28 @@ say("done"); rospy.sleep(30)
     within(10, lambda: len(heard.of(names[0])) == 5 and len(heard.of(names[1])) == 5)
     assert [heard.of(name) for name in names] == [[1.0] * 5, [0.5] * 5]
     assert not [what for what in live.notes.copy() if "joint_states.effort" in what]
+
+
+def test_diagnostics_of_two_nodes_by_status_and_key(ros: System, live: Ros1) -> None:
+    """As drivers tell of themselves with diagnostic_msgs of ROS: values are texts, and one is no number."""
+    for node, value in (("motor 3", "41.5"), ("battery", "full")):
+        ros.talk(f"""
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+rospy.init_node("node", anonymous=True)
+out = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=10)
+say("ready"); heard(out)
+for _ in range(5):
+    values = [KeyValue(key="temperature", value="{value}"), KeyValue(key="state", value="ok")]
+    out.publish(DiagnosticArray(header=Header(stamp=rospy.Time.now()),
+                                status=[DiagnosticStatus(name="{node}", values=values)]))
+    rospy.sleep(0.05)
+say("done"); rospy.sleep(30)
+""")
+    names = [signal_name("/diagnostics", f"{whose}/temperature") for whose in ("motor 3", "battery")]
+    heard = Heard(live, *names)
+    within(10, lambda: len(heard.of(names[0])) == 5 and len(heard.of(names[1])) == 5)
+    assert heard.of(names[0]) == [41.5] * 5
+    assert all(math.isnan(value) for value in heard.of(names[1]))
 
 
 def test_topics_say_type_fields_and_what_was_heard(ros: System, live: Ros1) -> None:

@@ -14,7 +14,7 @@ from robophm.core.errors import SourceError
 from robophm.core.signal import REORDERED, SECOND, Sample, Step, named, signal_name, split_signal, steps_of
 from robophm.design.file import parse
 from robophm.monitoring.replay import replay
-from robophm.transports.live.decoding import LARGE, Reading
+from robophm.transports.live.decoding import LARGE, TopicDecoder
 from robophm.transports.live.receiving import Receiver
 from robophm.transports.recordings.columns import read_columns
 from robophm.transports.recordings.columns.topic_columns import by_signal
@@ -296,7 +296,7 @@ def test_live(padding):
         message.header.frame_id = "x" * padding
         raws.append(serialized(type_, message))
     signals = ["/joint_states.effort[lift]", "/joint_states.effort[nobody]", "/joint_states.effort[0]"]
-    heard, notes = live(Reading("/joint_states", type_, signals, ""), raws)
+    heard, notes = live(TopicDecoder("/joint_states", type_, signals, ""), raws)
     assert [value for signal, value in heard if signal == signals[0]] == [20.0] * 3
     assert [value for signal, value in heard if signal == signals[2]] == [1.0, 300.0, 0.5, 1.0]
     assert notes[f"{REORDERED}{signals[2]}"] == 2

@@ -69,11 +69,15 @@ def test_undo_outlives_reload_and_service(courier, visit):
         page.get_by_label("Quantity of drive/motor").press("Enter")
         page.get_by_text("courier.yaml, not saved").wait_for()
         page.reload()
-        page.get_by_role("button", name="Undo").wait_for()
-    with serving(courier) as served:
+        page.get_by_role("button", name="Undo").click()
+        expect(page.get_by_label("Quantity of drive/motor")).to_have_value("2")
+        page.get_by_role("button", name="Redo").click()
+        expect(page.get_by_label("Quantity of drive/motor")).to_have_value("3")
+    with serving(courier) as served:  # in another browser, to which these edits are somebody else's
         page = visit(served).open("parts")
         expect(page.get_by_label("Quantity of drive/motor")).to_have_value("3")
         page.get_by_role("button", name="Undo").click()
+        page.get_by_role("button", name="Undo that").click()
         expect(page.get_by_label("Quantity of drive/motor")).to_have_value("2")
         page.get_by_role("button", name="Redo").click()
         expect(page.get_by_label("Quantity of drive/motor")).to_have_value("3")
@@ -87,24 +91,29 @@ def test_two_browsers_see_each_other_and_a_stale_write_is_offered_again(courier,
         here.get_by_label("Quantity of drive/motor").fill("4")
         here.get_by_label("Quantity of drive/motor").press("Enter")
         expect(there.get_by_label("Quantity of drive/motor")).to_have_value("4")
-        there.route("**/api/live", lambda route: route.abort())
-        there.evaluate("window.stop()")
-        served.edit({"op": "put", "path": ["name"], "value": "elsewhere"})
-        revision = served.get("/api/design")["revision"]
-        # a write that is on its way while somebody else's arrives
-        there.route(
-            "**/api/design/edits",
-            lambda route: route.continue_(
-                post_data=route.request.post_data.replace(f'"revision":{revision}', '"revision":1')
-            ),
-            times=1,
-        )
+
+        def meanwhile(operation):
+            """Somebody else's write arrives while that of this browser is on its way."""
+
+            def write(route):
+                served.edit(operation)
+                route.continue_()
+
+            there.route("**/api/design/edits", write, times=1)
+
+        quantity = ["modules", "drive", "components", "motor", "quantity"]
+        meanwhile({"op": "put", "path": ["name"], "value": "elsewhere"})
         there.get_by_label("Quantity of drive/motor").fill("5")
         there.get_by_label("Quantity of drive/motor").press("Enter")
-        there.get_by_text("Somebody else changed the design").wait_for()
-        there.get_by_role("button", name="Make mine too").click()
-        expect(here.get_by_label("Quantity of drive/motor")).to_have_value("5")
+        expect(here.get_by_label("Quantity of drive/motor")).to_have_value("5")  # of another place: both are made
         assert served.get("/api/design")["document"]["name"] == "elsewhere"
+        meanwhile({"op": "put", "path": quantity, "value": 8})
+        there.get_by_label("Quantity of drive/motor").fill("6")
+        there.get_by_label("Quantity of drive/motor").press("Enter")
+        there.get_by_text("Somebody else changed the design").wait_for()
+        assert served.get("/api/design")["document"]["modules"]["drive"]["components"]["motor"]["quantity"] == 8
+        there.get_by_role("button", name="Make mine too").click()
+        expect(here.get_by_label("Quantity of drive/motor")).to_have_value("6")
         other.wrong.clear()  # 409 is an error to the browser's console
 
 

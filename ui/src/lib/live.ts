@@ -19,12 +19,14 @@ interface Header {
   monitoring: string;
   looks: number;
   revision: number;
+  /** Whether the design's file was changed by hand, and could not be taken in. */
+  outside: boolean;
 }
 
 const MOST = 40000;
 export const connected = new Shared<"connecting" | "open" | "lost">("connecting");
-/** Of monitoring: its state, and how often figures were made. */
-export const pulse = new Shared<{ monitoring: string; looks: number }>({ monitoring: "idle", looks: 0 });
+/** Of monitoring: its state, and how often figures were made; and whether the file was changed by hand. */
+export const pulse = new Shared<{ monitoring: string; looks: number; outside: boolean }>({ monitoring: "idle", looks: 0, outside: false });
 
 class Live {
   private socket: WebSocket | null = null;
@@ -76,7 +78,8 @@ class Live {
     }
     if (header.kind === "history") this.waiting.delete(header.id ?? 0);
     const now = pulse.get();
-    if (now.monitoring !== header.monitoring || now.looks !== header.looks) pulse.set({ monitoring: header.monitoring, looks: header.looks });
+    if (now.monitoring !== header.monitoring || now.looks !== header.looks || now.outside !== header.outside)
+      pulse.set({ monitoring: header.monitoring, looks: header.looks, outside: header.outside });
     const shown = design.get();
     if (shown && header.revision > shown.revision) void refresh();
     const gaps = Object.entries(header.gaps ?? {});

@@ -96,6 +96,12 @@ function Figures({ health }: { health: Health }): ReactNode {
           <Sensors sensors={health.sensors} idle={health.monitoring === "idle"} />
         </section>
       </div>
+      {health.wear.length > 0 && (
+        <section className="card" style={{ marginTop: 16 }}>
+          <h2>Seen to wear</h2>
+          <Wear parts={health.wear} />
+        </section>
+      )}
       <section className="card" style={{ marginTop: 16 }}>
         <h2>Modules</h2>
         <div className="scroll" tabIndex={0} role="region" aria-label="Modules">
@@ -196,6 +202,38 @@ function Sensors({ sensors, idle }: { sensors: Shapes["Freshness"][]; idle: bool
         ))}
       </tbody>
     </table>
+  );
+}
+
+/** Which parts sensors see wear, and when they reach their thresholds: sensor-based figures have it in the place of their hazard. */
+function Wear({ parts }: { parts: Shapes["WornPart"][] }): ReactNode {
+  return (
+    <div className="scroll" tabIndex={0} role="region" aria-label="Seen to wear">
+      <table>
+        <thead>
+          <tr>
+            <th scope="col">Failure mode</th>
+            <th scope="col">Signal</th>
+            <th scope="col" className="number">Last reading</th>
+            <th scope="col" className="number">Threshold</th>
+            <th scope="col">What it says</th>
+          </tr>
+        </thead>
+        <tbody>
+          {parts.map((one) => (
+            <tr key={one.mode}>
+              <th scope="row">
+                <a href={`#/design/${encodeURI(one.part)}`}>{one.mode}</a>
+              </th>
+              <td>{one.signal}</td>
+              <td className="number">{one.last == null ? "–" : numberText(one.last)}</td>
+              <td className="number">{numberText(one.threshold)}</td>
+              <td>{one.critical || one.alarm ? <span className={`state ${one.state === "reached" ? "error" : "warn"}`}>{one.says}</span> : one.says}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
   );
 }
 

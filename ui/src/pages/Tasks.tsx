@@ -187,6 +187,11 @@ function Answered({ answer }: { answer: Shapes["Answer"] }): ReactNode {
           </tr>
         )}
       </Table>
+      {answer.wear.map((one) => (
+        <p key={one.mode} className={one.critical ? "small state warn" : "small"}>
+          Seen to wear: {one.mode}: {one.says}
+        </p>
+      ))}
       <p className="small quiet">
         Decided by (share of the failures that would vanish):{" "}
         {answer.deciding.slice(0, 5).map((one) => `${one.path} ${one.share == null ? "–" : `${numberText(100 * one.share, 3)} %`}`).join(", ")}
@@ -196,7 +201,7 @@ function Answered({ answer }: { answer: Shapes["Answer"] }): ReactNode {
 }
 
 function ArrivedTable({ tasks, add }: { tasks: Shapes["ArrivedTask"][]; add: (task: Task) => void }): ReactNode {
-  const both = (driven: Shapes["DrivenTask"] | null): ReactNode =>
+  const both = (driven: Shapes["TaskFigures"] | null): ReactNode =>
     driven?.chance ? (
       <>
         {chanceWords(driven.chance.sensor_based, driven.unknown)}

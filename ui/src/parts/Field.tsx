@@ -37,22 +37,45 @@ export function Text({ label, hint, wrong, value, set, ...more }: TextProps): Re
   );
 }
 
-/** What is typed counts when it is finished: on Enter, or when the field is left. */
-export function Entry({ value, set, ...more }: TextProps): ReactNode {
-  const [text, setText] = useState(value);
-  useEffect(() => setText(value), [value]);
-  const finish = (): void => {
-    if (text !== value) set(text);
+export interface Typing {
+  text: string;
+  type: (text: string) => void;
+  finish: () => void;
+  drop: () => void;
+  /** What has become of the value since typing began; "" where it is as it was. */
+  meanwhile: string;
+}
+
+/** What is typed counts when it is finished: on Enter, or when the field is left. It stays whatever others edit. */
+export function useTyping(value: string, set: (value: string) => void): Typing {
+  /** What is typed, the value that it was begun at, and whether it is finished: then the next value takes its place. */
+  const [typed, setTyped] = useState<{ text: string; at: string; finished: boolean } | null>(null);
+  useEffect(() => setTyped((now) => (now?.finished ? null : now)), [value]);
+  return {
+    text: typed?.text ?? value,
+    type: (text) => setTyped({ text, at: typed && !typed.finished ? typed.at : value, finished: false }),
+    finish: () => {
+      if (!typed || typed.finished) return;
+      setTyped({ ...typed, at: value, finished: true });
+      if (typed.text !== value) set(typed.text);
+    },
+    drop: () => setTyped(null),
+    meanwhile: typed && typed.at !== value ? `Changed meanwhile to ${value || "nothing"}; Escape takes that.` : "",
   };
+}
+
+export function Entry({ value, set, ...more }: TextProps): ReactNode {
+  const typing = useTyping(value, set);
   return (
     <Text
       {...more}
-      value={text}
-      set={setText}
-      onBlur={finish}
+      wrong={more.wrong || typing.meanwhile}
+      value={typing.text}
+      set={typing.type}
+      onBlur={typing.finish}
       onKeyDown={(event) => {
-        if (event.key === "Enter") finish();
-        if (event.key === "Escape") setText(value);
+        if (event.key === "Enter") typing.finish();
+        if (event.key === "Escape") typing.drop();
       }}
     />
   );

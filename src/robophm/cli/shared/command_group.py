@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import sys
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import Any, ClassVar
 
@@ -20,7 +21,11 @@ class CommandGroup(TyperGroup):
     package: ClassVar[str]
     """Name of the package where the files are."""
     lines: ClassVar[Mapping[str, str]]
-    """Help by command, in the order of the list: the first line of the command's docstring."""
+    """Help by command: the first line of the command's docstring."""
+    groups: ClassVar[Mapping[str, Sequence[str]]] = {}
+    """Commands by what they are for, as the help lists them; none: one list, in the order of ``lines``."""
+    former: ClassVar[Mapping[tuple[str, str], str]] = {}
+    """Options by command and the name that they had: still taken, with a note on stderr."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
@@ -36,6 +41,20 @@ class CommandGroup(TyperGroup):
             command.command(cmd_name)(function)
         return typer.main.get_command(command)
 
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return the command and its arguments, options of a former name under that of now."""
+        name, command, rest = super().resolve_command(ctx, args)
+        ends = rest.index("--") if "--" in rest else len(rest)
+        for i, word in enumerate(rest[:ends]):
+            option, equals, value = word.partition("=")
+            if now := self.former.get((str(name), option)):
+                print(f"note: {option} of {name} is called {now} now", file=sys.stderr)
+                rest[i] = f"{now}{equals}{value}"
+        return name, command, rest
+
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Print the list of commands, for which no file is imported."""
-        TyperGroup(commands=dict(self.commands)).format_commands(ctx, formatter)
+        """Print the commands by what they are for; no file of one is imported."""
+        width = max(map(len, self.lines))
+        for title, names in (self.groups or {"Commands": tuple(self.lines)}).items():
+            with formatter.section(title):
+                formatter.write_dl([(name.ljust(width), self.lines[name]) for name in names])

@@ -1,4 +1,4 @@
-"""What the commands that draft print and ask."""
+"""Questions and tables of the commands that draft or bind a design (``robophm new``, ``bind``), on the terminal."""
 
 from __future__ import annotations
 

@@ -1,10 +1,14 @@
-"""What ``robophm fit`` finds of failure modes and of parts of which some never fail, as tables and as JSON."""
+"""Results of ``robophm fit`` as tables and as JSON: competing failure modes, and parts some of which never fail."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
+from rich.console import Console
+
+from robophm.cli.shared.option_hints import with_options
 from robophm.cli.shared.output import console, print_table, table
 from robophm.learning.life_data.distribution_fitting import Bounded, Fit
 from robophm.learning.life_data.failure_modes import ModesFit
@@ -52,7 +56,7 @@ def modes_json(found: ModesFit) -> dict[str, Any]:
 
 
 def show_modes(found: ModesFit) -> None:
-    """As a table: the modes, then the part."""
+    """Print a table of the fitted failure modes, one in each row, and of the part as a whole in the last."""
     limit, unit = found.known_until, f" [{found.data.unit}]" if found.data.unit else ""
     rows = [
         [name, str(one.data.failures), f"{one.name}: {parameters_text(one.parameters, one.life, one.known_until)}",
@@ -69,8 +73,13 @@ def show_modes(found: ModesFit) -> None:
     out = console()
     out.print("Each mode with the others' failures as censored; together as if none depended on another, which such "
               "data cannot tell", markup=False, soft_wrap=True)  # fmt: skip
-    for note in found.notes:
-        out.print(note, style="yellow", markup=False, soft_wrap=True)
+    show_notes(out, found.notes)
+
+
+def show_notes(out: Console, notes: Iterable[str]) -> None:
+    """Print notes on a fit, a line each, with the options of the command that give what they ask for."""
+    for note in notes:
+        out.print(with_options(note), style="yellow", markup=False, soft_wrap=True)
 
 
 def limited_json(found: LimitedFit) -> dict[str, Any]:
@@ -86,7 +95,7 @@ def limited_json(found: LimitedFit) -> dict[str, Any]:
 
 
 def show_limited(found: LimitedFit) -> None:
-    """As a table."""
+    """Print a table of the share of parts that ever fails, and of the life of those that do."""
     out, limit, unit = console(), found.known_until, f" [{found.data.unit}]" if found.data.unit else ""
     share = Bounded(*(100 * one for one in found.share))
     rows = [["share that ever fails [%]", span_text(share)]]

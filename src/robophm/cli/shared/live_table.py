@@ -11,7 +11,9 @@ from rich.text import Text
 from robophm.cli.shared.output import health_table, mark_lines
 from robophm.health.report import HealthReport
 from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.wear_watch import GROWTH, WearWatch
 from robophm.report.curve import sparkline
+from robophm.report.wear import wear_lines
 
 REDRAW = 0.25
 """Seconds between two looks, at least."""
@@ -27,6 +29,7 @@ class LiveTable:
         self.course: dict[str, deque[float]] = {}
         self.drawn = 0.0
         self.cost = 0.0
+        self._wear: WearWatch | None = None
 
     def due(self) -> bool:
         """Whether it is time to look again: looking takes a fifth of the time at most."""
@@ -35,7 +38,8 @@ class LiveTable:
     def look(self, monitor: Monitor) -> RenderableType:
         """Return what to draw of a replay."""
         begun = time.monotonic()
-        drawn = self.draw(monitor.report(settled=False))
+        self._wear = self._wear or WearWatch(monitor.robot, GROWTH)
+        drawn = self.draw(monitor.report(settled=False, wear=self._wear.renewed(monitor.ledger)))
         self.cost = time.monotonic() - begun
         return drawn
 
@@ -46,5 +50,6 @@ class LiveTable:
             if "/" not in one.path:
                 self.course.setdefault(one.path, deque(maxlen=24)).append(one.sensor_based.hazard_rate)
         table = health_table(report, "1/h", course={path: sparkline(list(c), 24) for path, c in self.course.items()})
-        lines = (f"{report.clocks['operating']:.1f} h of operation", *mark_lines(report)[:MOST_MARKED])
-        return Group(table, Text("\n".join(lines)))
+        worn = [line for line, _ in wear_lines(report.wear, report.outlooks["sensor_based"].plant)]
+        lines = [f"{report.clocks['operating']:.1f} h of operation", *mark_lines(report)[:MOST_MARKED]]
+        return Group(table, Text("\n".join([*lines, *worn[:MOST_MARKED]])))

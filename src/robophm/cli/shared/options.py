@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
 from robophm.core.argument_checks import number
-from robophm.core.errors import StoreError, UnitError
+from robophm.core.errors import RobophmError, StoreError, UnitError
 from robophm.core.units import quantity
 from robophm.health.failures_to_come import LONGEST
 from robophm.report.words import rate_text
@@ -21,6 +22,9 @@ def _known_unit(unit: str) -> str:
         raise typer.BadParameter(str(error)) from None
     return unit
 
+
+LONGEST_TIME = 1e9
+"""Hours of operation that an option may state."""
 
 Design = Annotated[Path, typer.Argument(help="the robot's design file", metavar="ROBOT.YAML")]
 
@@ -40,7 +44,10 @@ ChanceSeed = Annotated[int, typer.Option(help="seed of --monte-carlo", min=0)]
 
 
 def stated_store(address: str | None) -> str | None:
-    """Where a store is, as stated. Raises StoreError where nothing is."""
+    """The address of a store as it was given to ``--store``, or None without that option.
+
+    Raises StoreError where the address is empty.
+    """
     if address == "":
         raise StoreError("--store '': expected the path of a store, or its kind and where it is, sqlite:robot.db")
     return address
@@ -65,6 +72,29 @@ Future = Annotated[Literal["recent", "last", "nominal"], typer.Option("--future"
 
 Order = Annotated[int | None, typer.Option(help="list the sets of at most so many parts, smallest first", min=1)]
 MostSets = Annotated[int, typer.Option("--most", help="sets to list", min=1, max=100_000)]
+
+
+def operating_time(option: str, text: str | float, *, above: bool = False) -> float:
+    """Return hours of operation as an option states them, "50 h", "2 week" or a bare number of hours.
+
+    Raises RobophmError, with the option's name, for what is none, is below 0, or ``above`` it where that is asked for.
+    """
+    try:
+        hours = float(text)
+    except ValueError:
+        try:
+            hours = quantity(str(text), "h")
+        except UnitError as error:
+            raise RobophmError(f"{option}: {error}") from None
+    if not 0 <= hours <= LONGEST_TIME or (above and hours == 0):
+        least = "above 0" if above else "of at least 0"
+        raise RobophmError(f"{option} {text}: expected hours {least}, at most {LONGEST_TIME:g}, e.g. 50, or '2 week'")
+    return hours
+
+
+def time_option(option: str, text: str, *, above: bool = False) -> Any:
+    """Return an option for a time of operation: --at is how old a robot is, --within how far is looked ahead."""
+    return typer.Option(option, parser=partial(operating_time, option, above=above), metavar="TIME", help=text)
 
 
 def horizon_of(text: str | None) -> float | None:

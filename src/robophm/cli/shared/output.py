@@ -18,13 +18,17 @@ from rich.text import Text
 
 from robophm.cli.shared.option_hints import with_options
 from robophm.core.errors import RobophmError
+from robophm.core.files import STANDARD_INPUT
 from robophm.design.robot import Robot
 from robophm.health.failures_to_come import FailuresToCome
+from robophm.health.plant import Plant
 from robophm.health.report import ComponentHealth, HealthReport, plain
 from robophm.health.uncertainty import Interval
 from robophm.health.unknown_rates import PartsOfUnknownRate, marked, marks, named
+from robophm.health.worn import SeenWear
 from robophm.report.failures_to_come import FEW, horizon_text, notes, share_text
 from robophm.report.failures_to_come import shown as largest
+from robophm.report.wear import wear_lines
 from robophm.report.words import duration_text, more_text, number_text, percent_text, probability_text, rate_text
 
 if TYPE_CHECKING:
@@ -145,6 +149,7 @@ def print_report(report: HealthReport, unit: str) -> None:
     out.print("R is survival since new over that time; λ, remaining life and PoTC are given that it works now.")
     robot = report.design
     print_unknown(report.system.unknown, robot)
+    print_wear(report.wear, report.outlooks["sensor_based"].plant)
     system = report.system.sensor_based
     left_out = report.system.unknown
     if system.remaining_life:
@@ -186,6 +191,14 @@ def print_unknown(left_out: PartsOfUnknownRate | None, robot: Robot) -> None:
     """Print the effect of parts of unknown rate on the figures, and which they are; nothing where there are none."""
     if left_out:
         console().print(f"{left_out.sentence} ({named(robot)})", style="yellow", markup=False, soft_wrap=True)
+
+
+def print_wear(seen: Sequence[SeenWear], plant: Plant) -> None:
+    """Which parts are seen to wear, and when they reach their thresholds; nothing where none is."""
+    if seen:
+        console().print("Seen to wear (in sensor-based figures in the place of the mode's hazard):")
+    for line, critical in wear_lines(seen, plant):
+        console().print(f"  {line}", style="bold red" if critical else "", markup=False, soft_wrap=True)
 
 
 def print_parts(report: HealthReport) -> None:
@@ -235,6 +248,8 @@ def may_write(path: Path | None, *inputs: Path) -> None:
     """Raise RobophmError, before any work, where a file cannot be written or would take the place of an input."""
     if path is None:
         return
+    if path == STANDARD_INPUT:
+        raise RobophmError("-: is standard input, which is read; expected the name of a file to write")
     if any(path.resolve() == other.resolve() for other in inputs):
         raise RobophmError(f"{path}: is read or kept by this command too; expected a file of its own")
     if not path.parent.is_dir():

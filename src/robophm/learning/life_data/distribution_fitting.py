@@ -98,9 +98,12 @@ class Fit:
     model: Any = None
     """The fitted model of the library itself."""
 
+    def __repr__(self) -> str:
+        return f"<Fit {self.name} of {self.data.described()}: mean {self.mean:.4g}, AIC {self.aic:.4g}>"
+
     @property
     def known_until(self) -> float:
-        """Beyond which a figure is not known."""
+        """The age beyond which the data tell nothing of a figure."""
         return UNKNOWN * seen_long(self.data, self.name)
 
     @property
@@ -128,7 +131,9 @@ def fit(data: LifeData, name: str = "weibull", *, how: How = "likelihood", level
         raise DataError(f"no distribution '{name}'{nearest(name, FAMILIES)}")
     supports(data, name)
     if how == "ranks" and len(data.since):
-        raise DataError(f"{data.source}: ranks know nothing of parts not watched from new; expected --by likelihood")
+        raise DataError(
+            f"{data.source}: ranks know nothing of parts not watched from new; expected a fit by likelihood"
+        )
     family, sp = FAMILIES[name], library()
     with asked(f"{data.source}: {name}") as said:
         options: dict[str, Any] = (
@@ -178,7 +183,7 @@ def supports(data: LifeData, name: str) -> None:
     """Raise DataError, and say what would be needed, where data cannot tell a distribution's parameters."""
     if data.items_repeat:
         raise DataError(
-            f"{data.source}: items have several rows; expected --repairable for repaired systems, or one life each"
+            f"{data.source}: items have several rows; expected one life each, or repaired systems with their power law"
         )
     needed = FEWEST.get(name, 2)
     if data.failures == 0:
@@ -192,7 +197,7 @@ def supports(data: LifeData, name: str) -> None:
         raise DataError(
             f"{data.source}: {data.failures} failure{'s' * (data.failures > 1)}: too few for {name}, which has "
             f"{len(FAMILIES[name].parameters) + FAMILIES[name].offset} parameters; expected at least {needed}"
-            + (", or --distribution exponential" if data.failures == 1 else "")
+            + (", or an exponential distribution" if data.failures == 1 else "")
         )
     exact = data.low == data.high
     times = np.unique(data.low[exact])
@@ -257,8 +262,10 @@ def _fit(data: LifeData, name: str, how: How, level: float, model: Any) -> dict[
         notes.append("the location has run into the first failure: a third parameter is more than these data tell")
     if name == "weibull" and (shape := parameters["shape"]).low < 1 < shape.high:
         notes.append("the shape's interval holds 1: that parts wear, or fail early, is not shown")
-    if far := far_out(life.mean(), data, name):
-        never = "; --some-never-fail says whether some never will" if data.failures < data.parts / 2 else ""
+    if far := extrapolation_note(life.mean(), data, name):
+        never = (
+            "; a fit with parts that never fail says whether some never will" if data.failures < data.parts / 2 else ""
+        )
         notes.append(f"its mean {far}{never}")
     covariance = np.asarray(model.covariance()) if sure else np.empty((0, 0))
     return {
@@ -274,8 +281,8 @@ def seen_long(data: LifeData, name: str) -> float:
     return float((data.count * (data.low - data.began)).sum()) if name == "exponential" else data.longest
 
 
-def far_out(value: float, data: LifeData, name: str) -> str:
-    """What is to be said of a figure that lies far outside the data; "" where it does not."""
+def extrapolation_note(value: float, data: LifeData, name: str) -> str:
+    """A warning about a figure that is extrapolated far beyond the longest time seen; "" where it is not."""
     times = value / seen_long(data, name)
     if times <= FAR:
         return ""

@@ -29,17 +29,17 @@ class ModesFit:
 
     data: LifeData
     modes: Mapping[str, Fit]
-    """By name, the most frequent first."""
+    """The fit of each failure mode by its name, the most frequent first."""
     shares: Mapping[str, float]
     """P(it is the first), of parts that all go on until they fail."""
     quantiles: Mapping[float, float]
-    """Of the part: by when so many have failed; infinite where they never do."""
+    """Quantiles of the part's life, by the share that has failed; infinite where so many never fail."""
     mean: float
     notes: tuple[str, ...] = ()
 
     @property
     def known_until(self) -> float:
-        """Beyond which a figure is not known."""
+        """The age beyond which the data tell nothing of a figure."""
         return UNKNOWN * max(self.data.longest, *(one.known_until / UNKNOWN for one in self.modes.values()))
 
     def survival(self, times: Array) -> Array:
@@ -51,7 +51,9 @@ class ModesFit:
 
 
 def fit_modes(data: LifeData, name: str | None = None, *, level: float = LEVEL) -> ModesFit:
-    """Of each mode the distribution of that name, else the best; an exponential one where there is but one failure.
+    """Fit a distribution to each failure mode, with the other modes' failures as censored.
+
+    ``name`` is the distribution; None takes the best for each, and an exponential one where a mode has but one failure.
 
     Raises DataError where a mode cannot be fitted.
     """

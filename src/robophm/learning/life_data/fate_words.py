@@ -20,7 +20,7 @@ FATE_COLUMNS: Mapping[str, Sequence[str]] = {
     "status": ("state",),
     "c": (),
 }
-"""What a table may say it by, and how else that is headed; one of them."""
+"""Columns by which a table may state whether parts failed, with other headings of each; a table has at most one."""
 
 _WORDS: Mapping[str, Sequence[str]] = {
     "failed": ("f", "failure", "fail", "dead", "died", "event", "observed"),
@@ -35,9 +35,9 @@ _CENSORED = {"failed": (*YES["no"], "no"), "worked": (*YES["yes"], "yes", "right
 
 
 def fate_column(path: str, rows: Sequence[Row]) -> str:
-    """By which of FATE_COLUMNS a table says it; "censored" where by none.
+    """The column of ``FATE_COLUMNS`` that a table has; "censored" where it has none.
 
-    Raises DataError where by two, or by numbers that mean one thing to some and the other to others.
+    Raises DataError where it has two, or numbers that mean a failure by one convention and a survivor by another.
     """
     said = [name for name in FATE_COLUMNS if any(name in row.cells for row in rows)]
     if len(said) > 1:
@@ -54,7 +54,10 @@ def fate_column(path: str, rows: Sequence[Row]) -> str:
 
 
 def fate(row: Row, column: str) -> Fate:
-    """What became of a part, by its row. Raises DataError for another word."""
+    """Whether the part of a row failed, still worked, had failed before, or failed within an interval.
+
+    Raises DataError, with the line, where the column is empty or has an unknown word.
+    """
     spellings = {"censored": _CENSORED, "c": _SURPYVAL}.get(column, _EVENT)
     found: str = row.choice(column, spellings, "failed" if column == "censored" else "")
     if not found:

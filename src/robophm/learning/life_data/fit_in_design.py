@@ -36,7 +36,7 @@ def design_keys(found: Fit | LifeStressFit, mode: FailureMode | None = None) -> 
     if mean > found.known_until:
         raise DataError(
             f"a {found.name} life whose mean would lie beyond {found.known_until:g} {unit}, {UNKNOWN:g} times the "
-            "longest time seen, is not known; expected another --distribution, or longer lives"
+            "longest time seen, is not known; expected another distribution, or longer lives"
         )
     family = FAMILIES[found.name]
     scale = found.life.scale_parameter

@@ -102,7 +102,7 @@ class LifeStressFit:
 
     @property
     def known_until(self) -> float:
-        """Of life at the reference stress, beyond which a figure is not known."""
+        """The life at the reference stress beyond which the data tell nothing of a figure."""
         table = np.unique(np.stack(list(self.data.stresses.values()), axis=1), axis=0)
         fastest = max(self.acceleration(dict(zip(self.data.stresses, one, strict=True))) for one in table.tolist())
         return UNKNOWN * self.data.longest * max(fastest, 1.0)
@@ -165,7 +165,7 @@ def _laws(data: LifeData, name: str, reference: Mapping[str, float], laws: Mappi
     chosen = {}
     for stress, values in data.stresses.items():
         if stress not in reference:
-            raise DataError(f"{data.source}: at which {stress} will parts be used? expected --use '{stress}=…'")
+            raise DataError(f"{data.source}: at which {stress} will parts be used? expected a stress of use")
         law = laws.get(stress, "arrhenius" if stress == "temperature" else "inverse_power")
         if law not in LAWS:
             raise DataError(f"no law '{law}'{nearest(law, LAWS)}")

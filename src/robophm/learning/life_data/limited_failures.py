@@ -42,12 +42,12 @@ class LimitedFit:
     share: Bounded
     parameters: Mapping[str, Bounded]
     life: LifeDistribution
-    """Of those that fail."""
+    """The life distribution of the parts that fail at all."""
     log_likelihood: float
     quantiles: Mapping[float, float]
-    """By when so many of all have failed; infinite where so many never do."""
+    """Quantiles of life by the share of all parts that has failed; infinite where so many never fail."""
     plain: Fit
-    """If all fail."""
+    """The fit of the same distribution under the hypothesis that all parts fail."""
 
     @property
     def p_value(self) -> float:
@@ -62,7 +62,7 @@ class LimitedFit:
 
     @property
     def known_until(self) -> float:
-        """Beyond which a figure is not known."""
+        """The age beyond which the data tell nothing of a figure."""
         return UNKNOWN * self.data.longest
 
 

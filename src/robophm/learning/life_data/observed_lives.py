@@ -73,12 +73,12 @@ class LifeData:
     stresses: Mapping[str, Array] = field(default_factory=dict)
     """Stresses by name, in the unit inside; shape (rows,)."""
     items: tuple[str, ...] = ()
-    """Whose row each is, where the table says so."""
+    """The name of the part that each row is of; empty where the table has none."""
     since: Array = field(default_factory=lambda: np.empty(0))
     """Age at which each began to be watched: those that failed before it are not among them (left truncation). Shape
     (rows,), or empty where all are watched from 0 on."""
     modes: tuple[str, ...] = ()
-    """In which way each failed, "" where it still worked; where the table says so."""
+    """The failure mode of each row, "" where the part still worked; empty where the table has none."""
 
     @property
     def failed(self) -> npt.NDArray[np.bool_]:
@@ -143,7 +143,7 @@ def read_life_data(path: Path, stresses: Collection[str] = ()) -> LifeData:
             continue
         raise DataError(
             f"{path}: column '{name}' is not known{nearest(name, [*COLUMNS, *STRESS_UNITS])}. If it is a stress, at "
-            f"which {name} will parts be used? expected --use '{name}=…', or no such column"
+            f"which {name} will parts be used? expected a stress of use, or no such column"
         )
     column = fate_column(str(path), rows)
     bounds = [_bounds(row, unit, column) for row in rows]

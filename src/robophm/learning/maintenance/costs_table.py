@@ -25,6 +25,7 @@ COLUMNS: Mapping[str, Sequence[str]] = {
     "detects": ("detection",),
     "lead": ("warning",),
     "false alarms per year": ("false alarms",),
+    "inspection": ("reading",),
 }
 """Columns of a table of costs. Costs are plain numbers in any one currency, downtimes and leads have units."""
 
@@ -40,6 +41,8 @@ class PartCosts:
     costs: Costs
     """Costs of the part without those of the robot's standstill."""
     watch: ConditionMonitoring | None
+    inspection: float | None = None
+    """Cost of one inspection of its wear; None: it is not inspected."""
 
     def standing(self, hour_down: float) -> Costs:
         """Return the costs with those of a standstill, ``hour_down`` each hour that the part is down."""
@@ -62,7 +65,8 @@ def read_costs(path: Path, robot: Robot, hour_down: float) -> dict[str, PartCost
             raise row.error(f"no part '{name}' in the design{nearest(name, parts)}", "part")
         if name in found:
             raise row.error(f"'{name}' stands twice; expected once", "part")
-        found[name] = PartCosts(parts[name], _costs(row, hour_down), _watch(row))
+        inspection = _at_least(row, "inspection", None) if "inspection" in row.cells else None
+        found[name] = PartCosts(parts[name], _costs(row, hour_down), _watch(row), inspection)
     return found
 
 

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.core.errors import DataError
+from robophm.learning.maintenance.downtime_by_repairs import Downtimes, Standstill
 from robophm.learning.maintenance.replacement_age import Costs
-from robophm.learning.maintenance.standstill import Downtimes, Standstill
 from robophm.life.distribution import LifeDistribution
 
 Array = npt.NDArray[np.float64]

@@ -17,6 +17,7 @@ from robophm.core.argument_checks import number
 from robophm.core.errors import DataError
 from robophm.design.robot import Component, FailureMode, Robot
 from robophm.learning.maintenance.costs_table import PartCosts
+from robophm.learning.maintenance.downtime_by_repairs import Standstill
 from robophm.learning.maintenance.life_cycle_costs import (
     LifeCycle,
     MaintainedPart,
@@ -26,7 +27,6 @@ from robophm.learning.maintenance.life_cycle_costs import (
 )
 from robophm.learning.maintenance.replacement_age import Costs, Policy, Visit, best_age, grouped_replacement, rescaled
 from robophm.learning.maintenance.spares import spares
-from robophm.learning.maintenance.standstill import Standstill
 from robophm.life.distribution import LifeDistribution
 
 Array = npt.NDArray[np.float64]

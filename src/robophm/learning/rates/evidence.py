@@ -17,7 +17,7 @@ SHOWN = 0.1
 
 
 def spread_text(spread: tuple[float, float, float]) -> str:
-    """By how much robots differ, from its quantiles."""
+    """A clause on how much the rates of robots differ, from three quantiles of their coefficient of variation."""
     low, usual, high = (f"{100 * part:.0f}" for part in spread)
     if spread[0] < SHOWN:
         return f"whether robots differ is not told: by {low} … {high} %"

@@ -35,7 +35,7 @@ from robophm.learning.rates.gamma_poisson import (
 Indices = npt.NDArray[np.intp]
 
 MEDIAN_SPREAD = 0.6
-"""Of the coefficient of variation from robot to robot, before anything is seen."""
+"""The prior median of the coefficient of variation of rates from robot to robot."""
 
 SUREST = 1e6
 """Failures as which a stated rate counts at most where robots may differ: to a tenth of a percent."""
@@ -48,91 +48,92 @@ _LEAST = 0.01
 
 
 class ExpectedFailures(Protocol):
-    """Failures that a rate promises in what was seen."""
+    """Expected failures E(θ) in what was watched, as a function of θ, the ratio of the true rate to the stated one."""
 
     @property
     def beta(self) -> float:
-        """Power of the rate by which a hazard goes, or nearly does."""
+        """The power β of θ that a hazard is proportional to, exactly or nearly."""
 
     @property
     def reach(self) -> float:
-        """Between ± which logarithms of the ratio of rates are."""
+        """The largest ln θ that is considered, up or down."""
 
     def to_each(self, log_times: Array) -> Array:
-        """To each robot, by rates exp(log_times) times the stated one; shape (robots, points) or (1, points)."""
+        """Failures expected of each robot at several ln θ; shape (robots, points), of ``log_times`` or (1, points)."""
 
     def to_some(self, robots: Indices, log_times: Array) -> Array:
-        """To some robots, each by its own ratio; shapes (robots,)."""
+        """Failures expected of some robots, each at a ln θ of its own; all of shape (robots,)."""
 
     def to_all(self, log_times: float) -> float:
-        """To all robots together."""
+        """Failures expected of all robots together at one ln θ."""
 
     def where(self, robots: Indices, rate: Array, wanted: Array) -> Array:
-        """θ^β at which rate·θ^β and what is promised to each robot are so many; shapes (robots, nodes)."""
+        """The θ^β of each robot at which rate·θ^β plus its expected failures are ``wanted``; shapes (robots, nodes)."""
 
 
 @dataclass(frozen=True)
 class Powers:
-    """Of lives whose hazard is a power of age: E·θ^β."""
+    """Expected failures of lives whose hazard is a power of age, for which they are E·θ^β (``ExpectedFailures``)."""
 
     expected: Array
-    """By the stated rate, of each robot."""
+    """Failures expected of each robot by the stated rate; shape (robots,)."""
     beta: float
 
     @property
     def reach(self) -> float:
-        """Within what a number can say."""
+        """The largest ln θ for which θ^β is a number of double precision."""
         return 600.0 / self.beta
 
     def to_each(self, log_times: Array) -> Array:
-        """See ``ExpectedFailures``."""
+        """Failures expected of each robot, at several ln θ; shape (robots, points)."""
         return np.asarray(self.expected[:, None] * np.exp(self.beta * log_times))
 
     def to_some(self, robots: Indices, log_times: Array) -> Array:
-        """See ``ExpectedFailures``."""
+        """Failures expected of some robots, each at a ln θ of its own; shapes (robots,)."""
         return np.asarray(self.expected[robots] * np.exp(self.beta * log_times))
 
     def where(self, robots: Indices, rate: Array, wanted: Array) -> Array:
-        """See ``ExpectedFailures``."""
+        """The θ^β of each robot, in closed form; shapes (robots, nodes)."""
         return np.asarray(wanted / (rate + self.expected[robots, None]))
 
     def to_all(self, log_times: float) -> float:
-        """See ``ExpectedFailures``."""
+        """Failures expected of all robots together at one ln θ."""
         return math.fsum(self.expected) * math.exp(self.beta * log_times)
 
 
-class Ratio(NamedTuple):
-    """What is known of θ, how many times a rate is the stated one."""
+class StatedRateRatio(NamedTuple):
+    """The posterior of θ, the ratio of a true rate to the stated one."""
 
     times: float
+    """The estimate of θ."""
     low: float
-    """5 % quantile."""
+    """The 5 % quantile of θ."""
     high: float
-    """95 % quantile."""
+    """The 95 % quantile of θ."""
 
     @property
     def shape(self) -> float:
-        """As sure as if so many failures had been seen: of the gamma with as wide an interval."""
+        """The failures that would make θ as certain as it is: the shape of the gamma with as wide an interval."""
         return shape_between(self.low, self.high)
 
 
 @dataclass(frozen=True)
 class Fleet:
-    """What failures of robots say of how many times the stated rate theirs are."""
+    """Posteriors of the ratios of true rates to the stated one, in a fleet whose robots may differ."""
 
-    mean: Ratio
-    """Of the fleet's mean."""
-    next: Ratio
-    """Of one robot of this fleet of which nothing is known."""
-    robots: tuple[Ratio, ...]
-    """Of each, in order; drawn towards the others by how little it has seen."""
+    mean: StatedRateRatio
+    """The ratio for the mean of the fleet."""
+    next: StatedRateRatio
+    """The ratio for a further robot of this fleet, of which nothing is known yet."""
+    robots: tuple[StatedRateRatio, ...]
+    """The ratio for each robot, in order; the less was seen of one, the more it is drawn towards the others."""
     spread: tuple[float, float, float] | None = None
     """Coefficient of variation of the hazard from robot to robot: 5 %, 50 % and 95 % quantile; None of one robot, or
     where nothing was expected of any."""
 
 
 def fleet(failures: Sequence[float], promise: ExpectedFailures, found: Posterior) -> Fleet:
-    """What the failures of each robot, at least one, say of it and of its fleet.
+    """Infer the ratios of a fleet and of each of its robots, at least one, from their failures.
 
     ``found``: the posterior of the rate that all have together; the fleet's mean is what it says on average.
     """
@@ -143,18 +144,18 @@ def fleet(failures: Sequence[float], promise: ExpectedFailures, found: Posterior
     nodes = _nodes(n, promise, found)
     beta, reach = promise.beta, promise.reach * promise.beta
     low, _, high = (math.exp(one / beta) for one in _quantiles(nodes.log_mean, nodes.weight))
-    mean = Ratio(pooled.times, min(low, pooled.times), max(high, pooled.times))
+    mean = StatedRateRatio(pooled.times, min(low, pooled.times), max(high, pooled.times))
     few = _fewer(nodes)
     rate = few.s * np.exp(-few.log_mean)
     ends = interval(
         lambda u: float(few.weight @ gammainc(few.s, np.minimum(rate * math.exp(u), 1e300))), pooled.times**beta, reach
     )
-    another = Ratio(pooled.times, *(one ** (1 / beta) for one in ends))
+    another = StatedRateRatio(pooled.times, *(one ** (1 / beta) for one in ends))
     own = _each(n, promise, few, pooled.times)
     return Fleet(mean, another, own, _quantiles(1 / np.sqrt(nodes.s), nodes.weight))
 
 
-def _pooled(promise: ExpectedFailures, found: Posterior) -> Ratio:
+def _pooled(promise: ExpectedFailures, found: Posterior) -> StatedRateRatio:
     """Of one rate for all: with a·θ^β + E(θ), failures that the stated rate and the field promise."""
     beta, reach = promise.beta, promise.reach
     s, r, p = found.gammas
@@ -174,7 +175,7 @@ def _pooled(promise: ExpectedFailures, found: Posterior) -> Ratio:
         promised = promise.to_all(g) if found.expected > 0 else 0.0
         return float(p @ gammainc(s, np.minimum(counts * math.exp(beta * g) + promised, 1e300)))
 
-    return Ratio(times, *interval(below, times, reach))
+    return StatedRateRatio(times, *interval(below, times, reach))
 
 
 class _Nodes(NamedTuple):
@@ -241,7 +242,7 @@ def _log_likelihood(n: Array, promised: Array, spread: float) -> Array:
     return found
 
 
-def _each(n: Array, promise: ExpectedFailures, few: _Nodes, times: float) -> tuple[Ratio, ...]:
+def _each(n: Array, promise: ExpectedFailures, few: _Nodes, times: float) -> tuple[StatedRateRatio, ...]:
     """Each robot's own. The estimate is its mean, drawn towards that of all failures together."""
     beta = promise.beta
     s, mean = few.s, np.exp(few.log_mean)
@@ -253,7 +254,7 @@ def _each(n: Array, promise: ExpectedFailures, few: _Nodes, times: float) -> tup
         estimate = promise.where(some, np.broadcast_to(drawn, (len(some), len(s))), s + failed) @ few.weight
         ends = [_where_below(level, s + failed, s / mean, few.weight, promise, some) for level in LEVELS]
         found += [
-            Ratio(one, min(low, one), max(high, one))
+            StatedRateRatio(one, min(low, one), max(high, one))
             for one, low, high in zip((estimate ** (1 / beta)).tolist(), *(end.tolist() for end in ends), strict=True)
         ]
     return tuple(found)

@@ -39,7 +39,7 @@ VAGUEST = 0.02
 """Failures as which what is known counts at least, a gamma's shape: of a vaguer one 95 % lie below its mean."""
 
 LEVELS = (0.05, 0.95)
-"""Of the ends of intervals."""
+"""Levels of the quantiles at which intervals end."""
 
 _LOG_SHARES: Array = -np.arange(0.0, 28.01, 0.2)  # of w = U², whose density over ln w is √w
 _PRIORS = np.exp(_LOG_SHARES / 2) * np.where(_LOG_SHARES == 0, 0.5, 1.0)
@@ -51,7 +51,7 @@ class Gammas(NamedTuple):
     shape: Array
     rate: Array
     weight: Array
-    """They add up to 1."""
+    """The weights of the gammas, which add up to 1."""
 
 
 def prior_gammas(prior: float, *, unseen: bool) -> Gammas:
@@ -95,7 +95,7 @@ class Posterior:
     unseen: float
     """Failures that nobody saw, but are in the estimate: up to half a one where fewer failed than expected."""
     gammas: Gammas
-    """Of the ratio, by which its interval is."""
+    """The posterior of the ratio of the true hazard to the stated one, which its interval is taken from."""
 
     @property
     def conflict(self) -> bool:
@@ -109,18 +109,18 @@ class Posterior:
 
     @property
     def estimate(self) -> float:
-        """Of the ratio of the hazards, between 1 and the failures seen over those expected."""
+        """The estimate of the ratio of the true hazard to the stated one, between 1 and failures seen over expected."""
         return (self.left + self.failures + self.unseen) / (self.left + self.expected)
 
     @cached_property
     def interval(self) -> tuple[float, float]:
-        """5 % and 95 % quantile of it."""
+        """The 5 % and 95 % quantile of that ratio."""
         s, r, p = self.gammas
         return interval(lambda u: float(p @ gammainc(s, np.minimum(r * math.exp(u), 1e300))), self.estimate)
 
 
 def quantile(share_below: Callable[[float], float], level: float, reach: float) -> float:
-    """Where a share that rises over [-reach, reach] is a level; the nearer end where it never is."""
+    """The point of [-reach, reach] at which a rising share reaches a level; the nearer end where it never does."""
     if share_below(-reach) >= level:
         return -reach
     if share_below(reach) <= level:

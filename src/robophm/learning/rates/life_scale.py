@@ -119,27 +119,27 @@ def _gathered(life: LifeDistribution, start: Array, end: Array) -> Array:
 
 
 class Tabulated:
-    """What rates promise each robot in its lives, between the points of a table (``fleet.Promise``)."""
+    """Expected failures of each robot in its lives, interpolated in a table over ln θ (``fleet.ExpectedFailures``)."""
 
     reach = float(_COARSE[-1])
 
     def __init__(self, grid: Array, promised: Array, beta: float) -> None:
-        """``grid`` of ln θ, ascending; ``promised`` of shape (robots, points)."""
+        """Interpolate ``promised``, expected failures of shape (robots, points), over an ascending ``grid`` of ln θ."""
         self.beta = beta
         self.each = [PchipInterpolator(grid, np.log(np.clip(one, 1e-300, 1e300))) for one in promised]
         self.all = PchipInterpolator(grid, np.log(np.clip(promised.sum(axis=0), 1e-300, 1e300)))
 
     def to_each(self, log_times: Array) -> Array:
-        """See ``Promise``."""
+        """Failures expected of each robot, at several ln θ; shape (robots, points)."""
         at = np.broadcast_to(log_times, (len(self.each), log_times.shape[1]))
         return np.asarray(np.exp(np.stack([one(some) for one, some in zip(self.each, at, strict=True)])))
 
     def to_some(self, robots: Indices, log_times: Array) -> Array:
-        """See ``Promise``."""
+        """Failures expected of some robots, each at a ln θ of its own; shapes (robots,)."""
         return np.array([math.exp(self.each[i](at)) for i, at in zip(robots.tolist(), log_times.tolist(), strict=True)])
 
     def where(self, robots: Indices, rate: Array, wanted: Array) -> Array:
-        """See ``Promise``."""
+        """The θ^β of each robot, by bisection; shapes (robots, nodes)."""
         low, high = np.full(rate.shape, -self.reach), np.full(rate.shape, self.reach)
         for _ in range(50):
             middle = (low + high) / 2
@@ -149,7 +149,7 @@ class Tabulated:
         return np.asarray(np.exp(self.beta * (low + high) / 2))
 
     def to_all(self, log_times: float) -> float:
-        """See ``Promise``."""
+        """Failures expected of all robots together at one ln θ."""
         return math.exp(self.all(log_times))
 
 

@@ -14,7 +14,7 @@ from robophm.core.errors import DataError, UnitError
 from robophm.core.units import quantity
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot, Uncertainty
 from robophm.learning.rates.failure_log import Seen, merged
-from robophm.learning.rates.fleet import Fleet, Powers, Ratio, fleet
+from robophm.learning.rates.fleet import Fleet, Powers, StatedRateRatio, fleet
 from robophm.learning.rates.gamma_poisson import VAGUEST, Posterior, update
 from robophm.learning.rates.life_scale import at_rate, fit_scale, information
 
@@ -33,20 +33,20 @@ class LearnedRate:
     expected: float
     """Failures expected by the stated rate."""
     exposure: float
-    """[unit of its clock]"""
+    """The exposure of all robots together [unit of the mode's clock]."""
     posterior: Posterior
-    """Of the hazard, as times the stated one, of all robots together."""
+    """The posterior of the ratio of the true hazard to the stated one, of all robots together."""
     fleet: Fleet
     """How many times the stated one the rates are: of the fleet's mean, of the next robot, of each of ``robots``."""
     robots: tuple[str, ...]
     failures_of: tuple[float, ...]
-    """Of each of them."""
+    """The number of failures of each of ``robots``."""
     of: str | None = None
     """The robot that was asked for; None: the next one of this fleet, of which nothing else is known."""
 
     @property
-    def ratio(self) -> Ratio:
-        """What is known of the rate of one robot of this fleet, as times the stated one."""
+    def ratio(self) -> StatedRateRatio:
+        """The posterior of the ratio of the true rate to the stated one, for the robot that was asked for."""
         return self.fleet.robots[self.robots.index(self.of)] if self.of in self.robots else self.fleet.next
 
     @property
@@ -56,7 +56,7 @@ class LearnedRate:
 
     @property
     def shape(self) -> float:
-        """As sure as if so many failures had been seen."""
+        """The number of failures that would make the factor as certain as it is."""
         return self.ratio.shape
 
     @property

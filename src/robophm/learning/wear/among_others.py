@@ -25,7 +25,7 @@ PARTS = (0.0, 0.5, 0.8)
 """Shares of the present level from which the way to it is looked at."""
 
 ASKED = 6
-"""Of how many others the unit's own models foretell what is known by now, to be weighed."""
+"""The largest number of other units whose known ends the degradation models foretell, so as to be weighted by that."""
 
 STEADY = 0.02
 """Noise of a level, as a share of the way to the threshold, down to which readings are averaged."""
@@ -54,7 +54,7 @@ class Unit:
     failed: float | None = None
     """When it failed, if that is known from elsewhere; None: when its readings first are at the threshold, if ever."""
     conditions: Mapping[str, Array] = field(default_factory=dict)
-    """What its readings were taken at, by name (``conditions.py``); shapes (readings,)."""
+    """Conditions that its readings were taken under, by name (``conditions.py``); shapes (readings,)."""
 
 
 @dataclass(frozen=True)

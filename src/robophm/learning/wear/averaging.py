@@ -49,7 +49,7 @@ AWAY = 0.1
 rest of them is no life that could be said either."""
 
 WIDEST = 1e60
-"""What a reading may be, up or down: its powers are numbers too."""
+"""The largest magnitude of a reading; its powers are still numbers of double precision."""
 
 BESIDE = 5
 """Readings before and after a fall whose medians say whether it lasted."""
@@ -223,7 +223,7 @@ def _to_come(
 
 
 def of_age(age: float, draws: int) -> Array:
-    """What remains of a thing of which nothing but its age is known, as draws; infinite is what cannot be said.
+    """Draw the remaining life of a thing of which nothing but its age is known; infinite where nothing can be said.
 
     Seen at no special time of its life it goes on for s more with a probability of age / (age + s) (Gott, Nature 363,
     1993): with 95 % for a nineteenth of its age. Beyond a third of its age nothing is said.

@@ -27,12 +27,12 @@ class Condition:
     """How a condition speeds wear up."""
 
     scale: Callable[[Array], Array]
-    """φ of it."""
+    """The function φ of the condition that ln pace is linear in."""
     centre: float
     deviation: float
-    """γ before anything is read."""
+    """The deviation of γ a priori; ``centre`` is its mean."""
     above: float
-    """What its values exceed."""
+    """The bound that values of the condition must exceed."""
 
 
 CONDITIONS: Mapping[str, Condition] = {
@@ -69,7 +69,7 @@ class Acceleration:
         return np.concatenate([[t[0] * pace[0]], t[0] * pace[0] + np.cumsum(passed)])
 
     def deviation(self, units: Sequence[Unit], to_come: Mapping[str, float]) -> float:
-        """Of ln(time) for what is not known of γ, from where the units were to what is to come."""
+        """The deviation of ln(time) by the uncertainty of γ, from the units' conditions to those that are to come."""
         there = np.mean([self.scaled(unit.conditions).mean(axis=0) for unit in units], axis=0)
         away = self.scaled(to_come) - there
         return math.sqrt(max(float(away @ self.covariance @ away), 0.0))
@@ -79,7 +79,7 @@ def forecast_under(
     to_come: Mapping[str, float], unit: Unit, threshold: float, others: Sequence[Unit] = (), *, falls: bool = False,
     deviation: float = 0.0, seed: int = 0, draws: int = DRAWS,
 ) -> Forecast:  # fmt: skip
-    """As ``forecast_among``, of a unit whose readings come with conditions, under conditions to come.
+    """Forecast, as ``forecast_among`` does, a unit whose readings come with conditions, under conditions to come.
 
     Raises DataError as it does, and where conditions are not of every unit, unknown, or out of their range.
     """

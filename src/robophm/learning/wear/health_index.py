@@ -32,8 +32,10 @@ WINDOWS = (5, 10, 20, 30, 50)
 
 INDUCING, NOISE, FOLDS = 1000, 1.0, 5
 NEAR, AGE_NEAR = (0.02, 0.04, 0.08), (0.1, 0.3, 1.0)
-"""Of the horizon: how far apart two indices, and two ages, may be that are still alike, as a standard deviation; those
-are taken that foretell the units that failed best."""
+"""Widths of nearness that are tried, of indices and of ages: standard deviations, as shares of the horizon.
+
+The pair is taken that foretells the units that failed best.
+"""
 
 ASKED = 5
 """Readings of each unit that failed at which that is tried."""
@@ -99,7 +101,10 @@ class HealthIndex:
     def remaining(
         self, times: npt.ArrayLike, values: npt.ArrayLike, settings: npt.ArrayLike | None = None, *, draws: int = DRAWS
     ) -> Remaining:
-        """What remains after the last reading of a unit. Raises DataError for readings unlike those it learned from."""
+        """Draw the remaining life of a unit after its last reading.
+
+        Raises DataError for readings unlike those that the index was learned from.
+        """
         course = _history(times, values, settings, "the unit")
         if course.values.shape[1] != self.signals:
             raise DataError(f"{course.values.shape[1]} signals; expected the {self.signals} of the units that failed")

@@ -17,22 +17,22 @@ from robophm.learning.wear.trend_bend import Bend
 from robophm.learning.wear.worn_mode import WornMode
 
 INDEX = "health index"
-"""What such a life is said by."""
+"""The name by which sources and weights of such a life call what foretells it."""
 
 
 def indexed_mode_of_tables(
     mode: FailureMode, path: Path, fleet: Path, settings: Sequence[str] = (), seed: int = 0
 ) -> WornMode:
-    """Of a table of signals of one part, and one of units that ran until they failed, at their last reading.
+    """The wear of a failure mode from a table of signals of one part, and one of units that ran until they failed.
 
-    ``settings``: columns that are operating conditions. Raises DataError, with the line or the unit, where a table is
-    none, tables do not have the same columns, or too few units failed.
+    Those failed at their last reading. ``settings``: columns that are operating conditions. Raises DataError, with the
+    line or the unit, where a table is none, tables do not have the same columns, or too few units failed.
     """
     rows = read_table(path, {name: COLUMNS[name] for name in ("time", "when", "unit")}, "readings", free=True)
     names = [name for name in dict.fromkeys(key for row in rows for key in row.cells) if name not in COLUMNS]
     for name in settings:
         if name not in names:
-            raise DataError(f"{path}: has no column '{name}'{nearest(name, names)}; expected it as of --settings")
+            raise DataError(f"{path}: has no column '{name}', expected one for each setting{nearest(name, names)}")
     clock = CLOCK_UNITS[mode.clock]
     failed = _histories(fleet, clock, names, settings)
     try:

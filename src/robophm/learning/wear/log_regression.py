@@ -62,7 +62,7 @@ def lasting(
     durations: Array, ended: npt.NDArray[np.bool_], features: Array, own: Array, passed: float,
     scatter: float = SCATTER,
 ) -> LogStudent | None:  # fmt: skip
-    """What is known of a duration with features of its ``own`` of which ``passed`` has gone by; None where none ended.
+    """The distribution of a duration with features ``own`` of which ``passed`` has gone by; None where no other ended.
 
     ``durations`` > 0 of others, shape (others,), each ended or going on still; ``features``, shape (others, features).
     """

@@ -26,12 +26,15 @@ FEWEST = 30
 
 @dataclass(frozen=True)
 class OperatingConditions:
-    """What signals are when nothing is known of health; learned from all readings."""
+    """The usual values of signals under each setting, whatever the health, as learned from all readings."""
 
     cuts: tuple[Array, ...]
-    """Of each setting, in the middle of its gaps."""
+    """Bounds between the regimes of each setting, in the middle of its gaps."""
     regimes: Array
     """Numbers of the parts between cuts, of each regime; shape (regimes, settings)."""
+    low: Array
+    high: Array
+    """How far settings reach in each regime, beyond which nothing is extrapolated; shapes of ``regimes``."""
     fits: Array
     """Constant and slopes by setting; shape (regimes, settings + 1, signals)."""
     spread: Array
@@ -43,7 +46,7 @@ class OperatingConditions:
         A regime that was not seen counts as the nearest.
         """
         which = _nearest(_parts(settings, self.cuts), self.regimes)
-        design = np.column_stack([np.ones(len(values)), settings])
+        design = np.column_stack([np.ones(len(values)), np.clip(settings, self.low[which], self.high[which])])
         usual = np.einsum("rs,rsk->rk", design, self.fits[which])
         kept = (self.spread > 0).all(axis=0)
         result: Array = ((values - usual) / np.where(self.spread > 0, self.spread, 1.0)[which])[:, kept]
@@ -51,7 +54,7 @@ class OperatingConditions:
 
 
 def learn_operating_conditions(values: Sequence[Array], settings: Sequence[Array]) -> OperatingConditions:
-    """Of units, each with values (readings, signals) and settings (readings, settings), of which there may be none.
+    """Learn them from units, each with values (readings, signals) and settings (readings, settings), which may be none.
 
     Settings of more than ``MOST_REGIMES`` regimes are taken to have none. Raises DataError where no signal varies.
     """
@@ -63,15 +66,17 @@ def learn_operating_conditions(values: Sequence[Array], settings: Sequence[Array
     else:
         regimes = regimes[counts >= FEWEST]
     which = _nearest(_parts(s, cuts), regimes)
-    fits, spread = [], []
+    reach, fits, spread = [], [], []
     for k in range(len(regimes)):
         here, beside = x[which == k], s[which == k]
         slopes = np.linalg.lstsq(beside - beside.mean(axis=0), here, rcond=None)[0]
         constant = here.mean(axis=0) - beside.mean(axis=0) @ slopes
         left = (here - constant - beside @ slopes).std(axis=0)
+        reach.append((beside.min(axis=0), beside.max(axis=0)))
         fits.append(np.concatenate([constant[None], slopes]))
         spread.append(np.where(left > 1e-9 * np.maximum(np.abs(here).mean(axis=0), 1e-300), left, 0.0))
-    found = OperatingConditions(cuts, regimes, np.array(fits), np.array(spread))
+    low, high = (np.array(ends) for ends in zip(*reach, strict=True))
+    found = OperatingConditions(cuts, regimes, low, high, np.array(fits), np.array(spread))
     if not (found.spread > 0).all(axis=0).any():
         raise DataError("no signal varies; expected one at least that shows wear")
     return found

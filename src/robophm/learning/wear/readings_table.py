@@ -40,9 +40,9 @@ class Readings:
     dated: bool
     """Whether its times are dates, and so the calendar's."""
     when: npt.NDArray[np.int64] | None = None
-    """Of recordings, and of a table with dates [ns since the epoch]."""
+    """Dates of the readings [ns since the epoch]; None for a table without dates."""
     conditions: Mapping[str, Array] = field(default_factory=dict)
-    """What speeds its wear up, by name."""
+    """Conditions that speed wear up, by name; shapes (readings,)."""
 
 
 def read_readings(path: Path, unit: str) -> Readings:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +35,8 @@ class WearOptions:
     """Shift that is to be seen [deviations]."""
     seed: int = 0
     """Seed of all that is drawn."""
+    changes: bool = True
+    """Whether changes are looked for, which takes seconds."""
 
 
 @dataclass(frozen=True)
@@ -103,6 +106,11 @@ class WornMode:
 _USUAL = WearOptions()
 
 
+def begins_at(values: Array) -> float:
+    """The level at which readings begin: the median of the first few."""
+    return float(np.median(values[: min(FIRST, max(len(values) // 4, 1))]))
+
+
 def worn_mode(
     mode: FailureMode, source: str, readings: Readings, threshold: float, *, deviation: float = 0.0,
     load: float | None = None, options: WearOptions = _USUAL, others: Sequence[Unit] = (),
@@ -119,7 +127,7 @@ def worn_mode(
     try:
         if readings.load is not None and load is not None:
             values = at_load(values, readings.load, options.baseline, load)
-        begun = float(np.median(values[: min(FIRST, max(len(values) // 4, 1))]))
+        begun = begins_at(values)
         if threshold == begun:
             raise DataError(f"the signal begins at its threshold, {threshold:g}; expected one that it has yet to reach")
         found = forecast_under(
@@ -128,7 +136,7 @@ def worn_mode(
         )  # fmt: skip
     except DataError as error:
         raise DataError(f"{source}: {error}") from None
-    detector, unlooked, alarms = _changes(values, options)
+    detector, unlooked, alarms = changes_in(values, options) if options.changes else (None, "not asked for", ())
     return WornMode(
         mode, source, readings, values, deviation, found, detector, unlooked, alarms, tuple(others), to_come
     )
@@ -140,16 +148,22 @@ def _to_come(conditions: Mapping[str, Array], stated: Mapping[str, float]) -> di
     return late | dict(stated)
 
 
-def _changes(values: Array, options: WearOptions) -> tuple[Cusum | None, str, tuple[int, ...]]:
-    """The detector of changes, or why there is none, and the readings that alarm."""
+def changes_in(values: Array, options: WearOptions) -> tuple[Cusum | None, str, tuple[int, ...]]:
+    """Return the detector of changes, or why there is none, and the readings that alarm."""
     baseline = options.baseline
     if len(values) <= baseline:
         return None, f"{len(values)} readings, and a baseline needs {baseline} before the first one judged", ()
     try:
-        detector = design(values[:baseline], options.between_false_alarms, options.shift, options.seed)
+        detector = _designed(values[:baseline].tobytes(), options)
     except DataError as error:
         return None, str(error), ()
     return detector, "", tuple(baseline + i for i in detector.alarms(values[baseline:])[1])
+
+
+@lru_cache(maxsize=64)
+def _designed(baseline: bytes, options: WearOptions) -> Cusum:
+    """A detector for this baseline, whose design takes seconds."""
+    return design(np.frombuffer(baseline), options.between_false_alarms, options.shift, options.seed)
 
 
 def one_mode(robot: Robot, part: str) -> FailureMode:
@@ -168,20 +182,20 @@ def worn_mode_of_table(
     load: float | None = None, options: WearOptions = _USUAL, fleet: Path | None = None,
     to_come: Mapping[str, float] | None = None,
 ) -> WornMode:  # fmt: skip
-    """Of a table of readings of one part, or failure mode, by its path; the threshold is the design's unless given.
+    """The wear of a failure mode, or of a part with one, from a table of readings.
 
-    ``fleet``: a table of the same signal of other units, with a column ``unit``. Raises DataError where a table is
-    none, the part is several, or what would be needed is not said.
+    The threshold is the design's unless given. ``fleet``: a table of the same signal of other units, with a column
+    ``unit``. Raises DataError where a table is none, the part is several, or what would be needed is not said.
     """
     mode = one_mode(robot, part)
     if threshold is None and mode.wear:
         threshold = mode.wear.threshold
         deviation = mode.wear.threshold_deviation if deviation is None else deviation
     if threshold is None:
-        raise DataError(f"{path}: at which value is '{mode.path}' worn out? expected --threshold")
+        raise DataError(f"{path}: at which value is '{mode.path}' worn out? expected its threshold")
     readings = read_readings(path, CLOCK_UNITS[mode.clock])
     if (readings.load is None) != (load is None):
-        raise DataError(f"{path}: a column 'load' and --load, the load at which readings are compared: expected both")
+        raise DataError(f"{path}: a column 'load', and the load at which readings are compared: expected both")
     others = others_of_table(fleet, mode, dated=readings.dated, load=load) if fleet else ()
     return worn_mode(
         mode, str(path), readings, threshold, deviation=deviation or 0.0, load=load, options=options, others=others,

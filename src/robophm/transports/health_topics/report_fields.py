@@ -13,7 +13,8 @@ from robophm.health.prognosis import RemainingLife
 from robophm.health.report import VIEWS, ComponentHealth, HealthReport
 from robophm.health.subject import STALE, State, Subject
 from robophm.health.unknown_rates import PartsOfUnknownRate, marked, marks
-from robophm.transports.signals.sink import JudgedTask
+from robophm.health.worn import WEAR, SeenWear, moment
+from robophm.transports.signals.report_sink import JudgedTask
 
 Fields = Mapping[str, Any]
 
@@ -22,6 +23,9 @@ LEVELS: dict[State, int] = {"ok": 0, "warn": 1, "error": 2, "stale": 3}
 
 MOST_STATUSES = 50
 """The most statuses in one message of /diagnostics (REP-107), beyond which only the outermost modules are told."""
+
+MOST_ALARMS = 5
+"""The latest changes of one signal that one status lists, at most."""
 
 COLOURS: dict[State, tuple[float, float, float]] = {
     "ok": (0.0, 0.62, 0.45),
@@ -124,7 +128,8 @@ def health(report: HealthReport, of: Subject | ComponentHealth) -> Fields:
         lives = {"nominal": None, "sensor_based": of.remaining_life}
         completions = dict.fromkeys(VIEWS)
         silent = any(flag.startswith(STALE) for flag in of.flags)
-        state = "stale" if silent else "warn" if of.unknown else "ok"
+        worn = any(flag.startswith(WEAR) for flag in of.flags)
+        state = "stale" if silent else "warn" if of.unknown or worn else "ok"
     fields: dict[str, Any] = {
         "header": {"stamp": stamp(report.time)},
         "path": of.path,
@@ -172,7 +177,28 @@ def diagnostics(report: HealthReport, node: str) -> Fields:
                 ],
             }
             for one in told
-        ],
+        ]
+        + [_worn(report, one, node) for one in report.wear[:MOST_STATUSES]],
+    }
+
+
+def _worn(report: HealthReport, one: SeenWear, node: str) -> Fields:
+    """The wear of a failure mode: an error where its threshold is reached, a warning where no model follows it."""
+    state: State = "error" if one.state == "reached" else "warn" if one.critical or one.alarming else "ok"
+    values: dict[str, float | int | str] = {"signal": one.signal, "state": one.state, "readings": one.readings}
+    if one.last is not None:
+        values |= {"last reading": one.last, "threshold": one.threshold}
+    if one.state not in ("reached", "too few readings"):
+        values |= {f"to the threshold, {name} [{one.unit}]": getattr(one, name) for name in ("early", "median", "late")}
+    for k, alarm in enumerate((one.alarms or ())[-MOST_ALARMS:], 1):
+        span = f"{moment(alarm.begin)} to {moment(alarm.end) if alarm.end is not None else 'now'}"
+        values[f"change {k}"] = f"{span}: {alarm.level:.4g}, at first {alarm.usual:.4g}"
+    return {
+        "level": LEVELS[state],
+        "name": f"{node}: wear of {one.mode}",
+        "message": one.says + (f"; {one.alarming.words}" if one.alarming else ""),
+        "hardware_id": report.robot,
+        "values": [{"key": key, "value": str(value)} for key, value in values.items()],
     }
 
 

@@ -16,7 +16,7 @@ from robophm.transports.health_topics.message_of_fields import compose
 from robophm.transports.health_topics.names import topics_of
 from robophm.transports.health_topics.outlet import Outlet, Publisher
 from robophm.transports.signals.incidents import UnknownTypeError
-from robophm.transports.signals.sink import JudgedTask, ReportSink
+from robophm.transports.signals.report_sink import JudgedTask, ReportSink
 
 MOST_TOPICS = 200
 """Modules and components with topics of their own; beyond them there is none."""

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import SECOND, named, split_signal
+from robophm.core.signal import SECOND, Element, named, split_signal
 from robophm.transports.recordings.columns.field_extraction import Program
 from robophm.transports.recordings.columns.message_layout import NotCompilableError, compile_fields
 from robophm.transports.recordings.columns.single import Single
@@ -44,7 +44,7 @@ class Numbers(NamedTuple):
     """The message as rosbags decodes it, where it is wanted whole; None for one that is large."""
 
 
-class Reading:
+class TopicDecoder:
     """Reads the messages of one type on one topic. Raises TypeRefusedError where it has no such field."""
 
     def __init__(self, topic: str, type_: MessageType, signals: Collection[str], identity: str) -> None:
@@ -56,7 +56,7 @@ class Reading:
         self._numbered = "seq" in names
         self._getters = []
         self._namers = []
-        self._elements: dict[str, tuple[str, int | str | None]] = {}
+        self._elements: dict[str, tuple[str, Element | None]] = {}
         """First step of the field of each signal."""
         self._told = {signal for signal in signals if named(split_signal(signal)[1])}
         for signal in sorted(signals):

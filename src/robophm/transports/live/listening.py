@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from robophm.core.signal import CLOCK, Sample, split_signal
-from robophm.transports.signals.element_names import names_in
+from robophm.transports.signals.element_names import add_names, names_in
 from robophm.transports.signals.source import LiveSource, TopicInfo, WholeMessage
 
 
@@ -39,7 +39,7 @@ def listen_for(source: LiveSource, seconds: float) -> list[HeardTopic]:
             topic, field = split_signal(heard.signal)
             values[topic][field] = heard.value
         elif isinstance(heard, WholeMessage) and heard.message is not None:
-            names.setdefault(heard.topic, {}).update(names_in(heard.message))
+            add_names(names.setdefault(heard.topic, {}), names_in(heard.message))
         if time.monotonic() >= end:  # clock samples come in silence too
             break
     return [

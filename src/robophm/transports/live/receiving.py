@@ -14,7 +14,7 @@ from typing import Protocol
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import CLOCK, SECOND, Sample, split_signal
-from robophm.transports.live.decoding import LARGE, Numbers, Reading
+from robophm.transports.live.decoding import LARGE, Numbers, TopicDecoder
 from robophm.transports.signals.element_names import Names
 from robophm.transports.signals.incidents import Incidents
 from robophm.transports.signals.source import STAMP_LIMIT, Gap, LiveItem, LiveSource, WholeMessage
@@ -75,7 +75,7 @@ class Receiver:
         self._set = 0
         """Nanoseconds by which this machine's clock was set since listening began, as far as it was said."""
 
-    def messages(self, reading: Reading, raws: Sequence[bytes], before: int | None) -> int | None:
+    def messages(self, reading: TopicDecoder, raws: Sequence[bytes], before: int | None) -> int | None:
         """Messages of one publisher have come, one after the other.
 
         ``before`` is the number in the sequence of the one before them, as is returned of the last.
@@ -157,7 +157,7 @@ class Receiver:
             self._set = off
         return now
 
-    def _set_clock(self, reading: Reading, raw: bytes) -> None:
+    def _set_clock(self, reading: TopicDecoder, raw: bytes) -> None:
         seconds, nanoseconds = _clock_of(reading.type.decode(raw))
         now = seconds * SECOND + nanoseconds
         if now < self._now:

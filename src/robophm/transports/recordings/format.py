@@ -1,4 +1,4 @@
-"""What a format of recordings is: the interface of the plugs in ``formats/``."""
+"""The interface of formats of recordings, of which each plug in ``formats/`` is one."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class RecordingFormat:
     """How files of one format are recognised; each plug has one in ``FORMAT``, of one of the two kinds below."""
 
     suffixes: tuple[str, ...]
-    """What its files are called as a rule, in small letters. It decides only where the content of a file does not."""
+    """Usual suffixes of its files, in small letters; they decide only where the content of a file does not."""
     recognises: Callable[[bytes], bool]
     """Whether a file is of this format, by its first 64 KiB or as many bytes as it has."""
 

@@ -25,7 +25,7 @@ _STEP = 1 << 20
 """Bytes of a file that are unpacked at once."""
 
 _LEFT = 2
-"""Of the free room for temporary files, one part in so many is left."""
+"""The divisor of the free room for temporary files: what is unpacked takes at most this part of it."""
 
 
 def head_of(path: Path) -> tuple[bytes, bool]:

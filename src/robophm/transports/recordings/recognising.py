@@ -1,4 +1,4 @@
-"""Of which format a file is: its content decides, whatever it is called and however it is compressed."""
+"""The format of a recording, told by its content, whatever the file is called and however it is compressed."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def formats() -> dict[str, RecordingFormat]:
 
 
 def suffixes() -> frozenset[str]:
-    """What recordings are called as a rule."""
+    """The usual suffixes of recordings of all formats."""
     return frozenset(suffix for one in formats().values() for suffix in one.suffixes)
 
 

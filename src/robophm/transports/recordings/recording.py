@@ -21,15 +21,28 @@ from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import SECOND, Sample, split_signal
 from robophm.health.clock_jumps import CLOCK_JUMP, stretches
 from robophm.transports.recordings.files import EmptyError, reading
-from robophm.transports.signals.element_names import Names, NotNamedError, name_getter, names_in
-from robophm.transports.signals.message_type import field_getter, fields_of, message_type, ways_to
+from robophm.transports.signals.element_names import Names, NotNamedError, add_names, name_getter, names_in
+from robophm.transports.signals.message_type import MessageType, field_getter, fields_of, message_type, ways_to
 from robophm.transports.signals.source import STAMP_LIMIT, SignalColumns, SignalSource, TopicInfo
 
 if TYPE_CHECKING:
     from robophm.transports.recordings.columns.pieces import PiecedFile, TopicExtent
 
+MOST_UNNAMED = 20
+"""Messages of a topic that bring no new names of elements, after which no more are asked for some."""
+
 LONGEST_NAMING = 1 << 18
 """Bytes of a message, beyond which it is not looked into for names."""
+
+
+def _name(known: dict[str, list[str]], type_: MessageType, messages: Iterable[bytes]) -> None:
+    """Add the names in messages to those that are known, until MOST_UNNAMED in turn bring none."""
+    left = MOST_UNNAMED
+    for raw in messages:
+        new = len(raw) <= LONGEST_NAMING and add_names(known, names_in(type_.decode(raw)))
+        left = MOST_UNNAMED if new else left - 1
+        if left < 1:
+            return
 
 
 class Recording(SignalSource):
@@ -134,20 +147,24 @@ class Recording(SignalSource):
         ]
 
     def names(self) -> dict[str, dict[str, list[str]]]:
-        """Return, by topic and field (``effort[]``), names of its elements in the first message, if that is short."""
+        """Return, by topic and field (``effort[]``), names of its elements in some messages that are short.
+
+        Of each topic messages are read from its first on, and from the middle of each recording on, as long as they
+        bring new names, and MOST_UNNAMED more: many nodes may publish on it, and some begin late.
+        """
         from robophm.transports.recordings.columns.rows import one_by_one
 
         found: dict[str, dict[str, list[str]]] = {}
-        for file in self._files:
-            for connection in file.connections:
-                if connection.topic in found:
+        for file, told in self._told:
+            for one in file.connections:
+                _, spans = told.get(one.id, (0, []))
+                if not spans or "[]" not in " ".join(fields_of(one)):
                     continue
-                with suppress(Exception):  # what cannot be decoded, or is not there, names nothing
-                    type_ = message_type(connection)
-                    _, raw, _ = next(one_by_one(file, [connection.id]))
-                    if len(raw) <= LONGEST_NAMING and (names := names_in(type_.decode(raw))):
-                        found[connection.topic] = names
-        return found
+                known = found.setdefault(one.topic, {})
+                for start in (spans[0][0], (spans[0][0] + spans[-1][1]) // 2):
+                    with suppress(Exception):  # what cannot be decoded, or is not there, names nothing
+                        _name(known, message_type(one), (raw for _, raw, _ in one_by_one(file, [one.id], start)))
+        return {topic: names for topic, names in found.items() if names}
 
     def undecoded(self) -> dict[str, str]:
         """Return topics whose messages cannot be decoded, and why."""

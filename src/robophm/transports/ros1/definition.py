@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping
 from functools import lru_cache
 
 from robophm.core.errors import SourceError
-from robophm.transports.live.decoding import Reading
+from robophm.transports.live.decoding import TopicDecoder
 from robophm.transports.ros1.tcpros import ANY
 from robophm.transports.signals.incidents import Incidents, PeerError, TypeRefusedError
 from robophm.transports.signals.message_type import MessageType, message_type
@@ -52,13 +52,13 @@ def known_definition(type_: str) -> str:
         raise SourceError(f"type '{type_[:200]}' is not of ROS Noetic, and comes without a definition") from None
 
 
-def reading_of(topic: str, header: Mapping[str, str], signals: Collection[str], notes: Incidents) -> Reading:
+def reading_of(topic: str, header: Mapping[str, str], signals: Collection[str], notes: Incidents) -> TopicDecoder:
     """Return the reader of a connection's messages, by the header that its publisher sent.
 
     Raises TypeRefusedError where the header has no type whose definition can be found and read, or it has no such
     field; PeerError where its md5 sum is not that of its definition.
     """
-    return Reading(topic, type_of(topic, header, notes), signals, header.get("md5sum", ANY))
+    return TopicDecoder(topic, type_of(topic, header, notes), signals, header.get("md5sum", ANY))
 
 
 def type_of(topic: str, header: Mapping[str, str], notes: Incidents) -> MessageType:

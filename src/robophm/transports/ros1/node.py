@@ -21,7 +21,7 @@ from robophm.transports.ros1.xmlrpc import call
 from robophm.transports.signals.incidents import Incidents, PeerError
 
 POLL_SECONDS = 2.0
-"""Between two looks at what the master knows; in between it tells what changes."""
+"""The time between two full queries of the master [s]; in between it tells of changes by itself."""
 
 _NAME = re.compile(r"/[A-Za-z]\w*(/[A-Za-z]\w*)*\Z", re.ASCII)
 

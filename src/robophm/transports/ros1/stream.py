@@ -6,7 +6,7 @@ import socket
 import struct
 from collections.abc import Callable
 
-from robophm.transports.live.decoding import Reading
+from robophm.transports.live.decoding import TopicDecoder
 from robophm.transports.live.receiving import Receiver
 from robophm.transports.ros1.loop import Loop, Peer
 from robophm.transports.ros1.tcpros import LONGEST_MESSAGE
@@ -24,7 +24,7 @@ class Stream(Peer):
         loop: Loop,
         connection: socket.socket,
         uri: str,
-        reading: Reading,
+        reading: TopicDecoder,
         hearing: Receiver,
         lost: Callable[[Stream], None],
     ) -> None:

@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 
 from robophm.core.errors import SourceError
-from robophm.transports.live.decoding import Reading
+from robophm.transports.live.decoding import TopicDecoder
 from robophm.transports.live.receiving import CLOCK_TOPIC, Receiver
 from robophm.transports.ros1.definition import reading_of
 from robophm.transports.ros1.node import Node
@@ -139,7 +139,7 @@ class Subscription:
         self._failures[key] = times + 1, time.monotonic() + wait_after(times)
         self._node.renew(key[0])
 
-    def _connected(self, key: tuple[str, str], connection: socket.socket, reading: Reading) -> None:
+    def _connected(self, key: tuple[str, str], connection: socket.socket, reading: TopicDecoder) -> None:
         self._connecting.discard(key)
         if self._closed:
             connection.close()

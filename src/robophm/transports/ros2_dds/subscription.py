@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 
 from robophm.core.errors import SourceError
-from robophm.transports.live.decoding import Reading
+from robophm.transports.live.decoding import TopicDecoder
 from robophm.transports.live.receiving import CLOCK_TOPIC, TICK, TOGETHER, Receiver
 from robophm.transports.ros2_dds.cyclone import AT_ONCE, HISTORY, Offer, Reader
 from robophm.transports.ros2_dds.definition import Definition, known, name_of_dds
@@ -30,7 +30,7 @@ class TopicReader:
     """A reader of one topic in one type, and how its messages are decoded."""
 
     reader: Reader
-    reading: Reading
+    reading: TopicDecoder
     reliable: bool
     latched: bool
     number: int | None = None
@@ -146,7 +146,7 @@ class Subscription(threading.Thread):
         """Have a reader for every type of every topic that is published, one that goes with all its publishers."""
         self._refused &= self._discovery.offers.keys()
         for name, (topic, signals) in self._wanted.items():
-            groups: dict[str, list[tuple[Offer, Reading]]] = {}
+            groups: dict[str, list[tuple[Offer, TopicDecoder]]] = {}
             for offer in self._discovery.offers.values():
                 if offer.topic == name and (reading := self._reading(topic, signals, offer)):
                     groups.setdefault(reading.identity, []).append((offer, reading))
@@ -173,7 +173,7 @@ class Subscription(threading.Thread):
                 self._notes.add(f"type changed on {topic}", changed)
             self._types[topic] = {*now.values()}
 
-    def _listen(self, topic: str, hash_: str, offers: list[Offer], reading: Reading) -> None:
+    def _listen(self, topic: str, hash_: str, offers: list[Offer], reading: TopicDecoder) -> None:
         reliable, latched = all(offer.reliable for offer in offers), all(offer.latched for offer in offers)
         ear = self._ears.get((topic, hash_))
         if ear and ear.reliable <= reliable and ear.latched <= latched:
@@ -194,14 +194,14 @@ class Subscription(threading.Thread):
         self._waiting.remove(ear.reader.entity)
         ear.reader.close()
 
-    def _reading(self, topic: str, signals: Collection[str], offer: Offer) -> Reading | None:
+    def _reading(self, topic: str, signals: Collection[str], offer: Offer) -> TopicDecoder | None:
         """The reading of what is offered; None, and counted once for each publisher, where it cannot be read."""
         found = self._definition(topic, offer)
         try:
             if isinstance(found, TypeRefusedError):
                 raise found
             ear = self._ears.get((topic, found.hash))
-            return ear.reading if ear else Reading(topic, found.type, signals, found.hash)
+            return ear.reading if ear else TopicDecoder(topic, found.type, signals, found.hash)
         except TypeRefusedError as error:
             self._refuse(topic, offer, error)
             return None

@@ -10,13 +10,14 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, fields, is_dataclass
 from typing import Any, NamedTuple
 
 from robophm.core.errors import nearest
-from robophm.core.signal import REORDERED
+from robophm.core.signal import REORDERED, Element, Reduction, bracketed, steps_of
+from robophm.transports.signals.array_reduction import reduced
 
 _NAMES = ("name", "names", "key", "keys")
 _NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*\Z", re.ASCII)
@@ -97,7 +98,7 @@ class Way(NamedTuple):
     """A step to a number in a decoded message."""
 
     attribute: str
-    element: int | str | None
+    element: Element | None
     namer: Namer | None
 
 
@@ -110,6 +111,8 @@ def getter(ways: Sequence[Way]) -> Callable[[Any], Any]:
             value = getattr(chain[-1], attribute)
             if isinstance(element, int):
                 value = value[element]
+            elif isinstance(element, Reduction):
+                value = reduced(element, value)
             elif element is not None and namer:
                 value = namer.element(chain, value, element)
             chain.append(value)
@@ -134,7 +137,7 @@ def name_getter(ways: Sequence[Way]) -> Callable[[Any], str] | None:
                 if namer:
                     found.append(namer.names(chain, value)[element])
                 value = value[element]
-            elif element is not None and namer:
+            elif isinstance(element, str) and namer:
                 value = namer.element(chain, value, element)
             chain.append(value)
         return "/".join(found)
@@ -170,7 +173,8 @@ class Names:
         if signal in self._found:
             return
         if signal not in self._missing:
-            wanted = re.findall(r"\[([^\[\]]+)\]", signal)[-1]
+            elements = [step.element for step in steps_of(signal.partition(".")[2])]
+            wanted = [name for name in elements if isinstance(name, str)][-1]
             known = [name for name in names if name][:MOST_NAMES]
             self._missing[signal] = f"never named: {signal}{nearest(wanted, known) or _listed(known)}"
         with self.lock:
@@ -213,10 +217,25 @@ def names_in(message: Any, most: int = MOST_NAMES) -> dict[str, list[str]]:
                 found[f"{prefix}{each.name}[]"] = names
             for name, element in zip(names, value, strict=False):
                 if is_dataclass(element):
-                    look(element, f"{prefix}{each.name}[{name}].", around, chain)
+                    look(element, f"{prefix}{each.name}[{bracketed(name)}].", around, chain)
 
     look(message, "", (), ())
     return found
+
+
+def add_names(known: dict[str, list[str]], more: Mapping[str, Sequence[str]]) -> bool:
+    """Add the names of another message to those of earlier ones, each once; return whether there was a new one.
+
+    On one topic several publishers may speak, each of its own joints or devices. Bounds as of ``names_in``.
+    """
+    new = False
+    for array, names in more.items():
+        if array in known or len(known) < MOST_NAMES:
+            own = known.setdefault(array, [])
+            fresh = [name for name in dict.fromkeys(names) if name not in own][: MOST_NAMES - len(own)]
+            own += fresh
+            new = new or bool(fresh)
+    return new
 
 
 def _fields_of(message: Any) -> list[Field]:

@@ -12,7 +12,7 @@ from operator import attrgetter, itemgetter
 from typing import TYPE_CHECKING, Any, cast
 
 from robophm.core.errors import SourceError, nearest
-from robophm.core.signal import any_element, steps_of
+from robophm.core.signal import Reduction, any_element, steps_of
 from robophm.transports.signals.element_names import Field, Way, getter, namer_of, number
 
 if TYPE_CHECKING:
@@ -204,7 +204,7 @@ def field_getter(definitions: Typesdict, type_: str, field: str) -> Callable[[An
 
 
 def _getter(ways: Sequence[Way]) -> Callable[[Any], Any]:
-    if any(isinstance(way.element, str) for way in ways):
+    if any(isinstance(way.element, str | Reduction) for way in ways):
         value_of = getter(ways)
         return lambda message: number(value_of(message))
     steps: list[Callable[[Any], Any]] = []
@@ -234,7 +234,8 @@ def ways_to(definitions: Typesdict, type_: str, field: str) -> list[Way]:
     ways: list[Way] = []
     around: list[list[Field]] = []
     part, walked = type_, ""
-    for name, element in steps_of(field):
+    steps = steps_of(field)
+    for k, (name, element) in enumerate(steps):
         fields = [Field(*one) for one in _fields(definitions, part)] if part in definitions else []
         here = {one.name: one for one in fields}
         if name not in here:
@@ -251,6 +252,8 @@ def ways_to(definitions: Typesdict, type_: str, field: str) -> list[Way]:
             raise SourceError(f"({type_}) has an array in '{walked}'; expected e.g. {expected}")
         if isinstance(element, int) and array and element >= array:
             raise SourceError(f"({type_}) has {array} elements in '{walked}', 0 to {array - 1}; no [{element}]")
+        if isinstance(element, Reduction) and (k < len(steps) - 1 or part not in _NUMBERS):
+            raise SourceError(f"({type_}) has no array of numbers in '{walked}'; expected one, to make a number of it")
         if isinstance(element, str) and not namer:
             raise SourceError(f"({type_}) names no element of '{walked}'; expected an index, e.g. '{walked}[0]'")
         walked += "" if element is None else f"[{element}]"

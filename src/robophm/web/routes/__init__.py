@@ -1,4 +1,4 @@
-"""What can be asked of the service, by subject: the ``router`` of each file here is found by itself.
+"""Routes of the service, a file for each subject, whose ``router`` is found by itself.
 
 Another package adds such a module by an entry point of the group ``robophm.web.routes``.
 """

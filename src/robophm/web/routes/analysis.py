@@ -146,7 +146,7 @@ def curves(
     """Return survival, hazard and density ahead in both views."""
     diagram = _system(prepared, path)
     exposure, ledger = service.past(prepared)
-    views = outlooks(prepared.plant, exposure, ledger)
+    views = outlooks(prepared.plant, exposure, ledger, wear=prepared.wear.renewed(exposure.settled(ledger)))
     lives = {view: views[view].remaining_life(diagram) for view in VIEWS}
     if horizon is None:
         horizon = curve_span(lives.values(), prepared.robot.usage.operating)
@@ -224,7 +224,9 @@ def get_importance(
     """The importance of parts, sensor-based, given what is known now."""
     prepared = service.prepared()
     exposure, ledger = service.past(prepared)
-    lived = outlooks(prepared.plant, exposure, ledger)["sensor_based"]
+    lived = outlooks(prepared.plant, exposure, ledger, wear=prepared.wear.renewed(exposure.settled(ledger)))[
+        "sensor_based"
+    ]
     diagram = _system(prepared, path)
     drawn = Drawn(prepared.plant, diagram)
     ahead = hours or usual_hours(lived, lived.remaining_life(diagram).median)
@@ -247,7 +249,8 @@ def get_cut_sets(service: Served, most: Annotated[int, Query(ge=1, le=1000)] = 2
             f"{len(prepared.plant.units):,} parts; expected at most {MOST_PARTS:,}: `robophm cutsets` has the time"
         )
     exposure, ledger = service.past(prepared)
-    system = fault_tree(outlooks(prepared.plant, exposure, ledger)["sensor_based"], limit=STEPS)
+    views = outlooks(prepared.plant, exposure, ledger, wear=prepared.wear.renewed(exposure.settled(ledger)))
+    system = fault_tree(views["sensor_based"], limit=STEPS)
     listed = system.cut_sets(most)
     found = [CutSet(parts=list(one.names), probability=finite(one.probability)) for one in listed.sets]
     says = f"{system.unknown.of_sets}." if system.unknown else ""

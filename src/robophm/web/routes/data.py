@@ -13,6 +13,7 @@ from fastapi.responses import HTMLResponse, PlainTextResponse, Response
 
 from robophm.core.errors import DesignError, nearest
 from robophm.health.reporting import health_report
+from robophm.monitoring.seen_wear import seen_wear, with_alarms
 from robophm.report.health_page import health_page
 from robophm.report.pdf import Printer
 from robophm.report.words import rate_text
@@ -182,7 +183,9 @@ def get_report_as_pdf(service: Served) -> PdfResponse:
 def _report(service: Service) -> str:
     prepared = service.prepared()
     exposure, ledger = service.past(prepared)
-    report = health_report(prepared.plant, exposure, exposure.settled(ledger), task=prepared.robot.task)
+    settled = exposure.settled(ledger)
+    wear = with_alarms(prepared.robot, settled, seen_wear(prepared.robot, settled))
+    report = health_report(prepared.plant, exposure, settled, task=prepared.robot.task, wear=wear)
     history: list[Any] = []
     if (store := service.settings.store) and store_exists(store):
         with open_store(store) as kept:

@@ -22,6 +22,7 @@ from robophm.web.shapes import (
     Edits,
     Group,
     Move,
+    OfEdit,
     OfRevision,
     Operation,
     Outside,
@@ -70,15 +71,15 @@ def edit_design(edits: Edits, service: Served) -> DesignState:
 
 
 @router.post("/undo", responses=WRITES)
-def undo(asked: OfRevision, service: Served) -> DesignState:
-    """Go back to the state before the latest edit."""
-    return service.design_state(service.workspace.undo(asked.revision))
+def undo(asked: OfEdit, service: Served) -> DesignState:
+    """Take back the latest edit, or an earlier one where no later edit touches what it changed."""
+    return service.design_state(service.workspace.undo(asked.revision, asked.edit))
 
 
 @router.post("/redo", responses=WRITES)
-def redo(asked: OfRevision, service: Served) -> DesignState:
-    """Go forward again to the state that was undone."""
-    return service.design_state(service.workspace.redo(asked.revision))
+def redo(asked: OfEdit, service: Served) -> DesignState:
+    """Do again what was undone last, or another edit where no edit since touches what it changed."""
+    return service.design_state(service.workspace.redo(asked.revision, asked.edit))
 
 
 @router.post("/save", responses=SAVES)

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Path
 
-from robophm.web.library import (
+from robophm.web.model_forms import (
     Form,
     FormulaAsked,
     Library,

@@ -22,7 +22,8 @@ from robophm.health.report import VIEWS
 from robophm.health.task_report import task_report, unknown_in
 from robophm.health.unknown_rates import PartsOfUnknownRate
 from robophm.monitoring.task_history import TaskRecord
-from robophm.transports.signals.sink import JudgedTask
+from robophm.transports.signals.report_sink import JudgedTask
+from robophm.web.health import WornPart, worn_parts
 from robophm.web.jobs import Job
 from robophm.web.prepared_robot import finite, unknown_of
 from robophm.web.routes.design import REFUSED
@@ -128,14 +129,16 @@ class Answer(Shape):
     tasks: list[TaskAnswer]
     together: BothChances
     distance: float
-    """Of all of them [m]."""
+    """The distance of all tasks together [m]."""
     duration: float
-    """Of all of them [h]."""
+    """The duration of all tasks together [h]."""
     deciding: list[Decides]
     threshold: float | None
     breached: bool
     unknown: UnknownRates | None
     """The effect of parts of unknown rate in the functions that are needed."""
+    wear: list[WornPart]
+    """The parts that are seen to wear."""
 
 
 class JobState(Shape):
@@ -171,7 +174,7 @@ class Prognosis(Shape):
     """The effect of parts of unknown rate on the completion of all."""
 
 
-class DrivenTask(Shape):
+class TaskFigures(Shape):
     """A task as it was planned, or as it was done."""
 
     distance: float
@@ -187,8 +190,8 @@ class ArrivedTask(Shape):
     arrived: float | None
     start: float | None
     end: float | None
-    predicted: DrivenTask | None
-    actual: DrivenTask | None
+    predicted: TaskFigures | None
+    actual: TaskFigures | None
 
 
 class Arrived(Shape):
@@ -214,7 +217,8 @@ def predict(asked: Asked, service: Served) -> Answer:
     prepared = service.prepared()
     exposure, ledger = service.past(prepared)
     plan = _plan(asked, prepared.robot)
-    found = task_report(prepared.plant, exposure, ledger, plan, future=asked.future, draws=0)
+    found = task_report(prepared.plant, exposure, ledger, plan, future=asked.future, draws=0,
+                        wear=prepared.wear.renewed(exposure.settled(ledger)))  # fmt: skip
     return Answer(
         tasks=[
             TaskAnswer(
@@ -230,6 +234,7 @@ def predict(asked: Asked, service: Served) -> Answer:
         threshold=found.threshold,
         breached=found.breached,
         unknown=unknown_of(found.unknown, "of_tasks"),
+        wear=worn_parts(found.wear, prepared.plant),
     )  # fmt: skip
 
 
@@ -277,7 +282,7 @@ def _told(judged: Sequence[JudgedTask]) -> list[ArrivedTask]:
     found: list[ArrivedTask] = []
     waiting: dict[str, ArrivedTask] = {}
     for one in judged:
-        robot, driven = one.topic.rpartition("/")[0], DrivenTask(
+        robot, driven = one.topic.rpartition("/")[0], TaskFigures(
             distance=one.distance, duration=one.duration, chance=_both(one.completion),
             unknown=unknown_of(one.unknown, "of_tasks"),
         )  # fmt: skip
@@ -310,8 +315,8 @@ def _arrived(record: TaskRecord, now: int) -> ArrivedTask:
     )
 
 
-def _driven(task: Task, chance: Mapping[View, Completion] | None, left_out: PartsOfUnknownRate | None) -> DrivenTask:
-    return DrivenTask(distance=task.distance, duration=task.duration, chance=_both(chance) if chance else None,
+def _driven(task: Task, chance: Mapping[View, Completion] | None, left_out: PartsOfUnknownRate | None) -> TaskFigures:
+    return TaskFigures(distance=task.distance, duration=task.duration, chance=_both(chance) if chance else None,
                       unknown=unknown_of(left_out, "of_tasks"))  # fmt: skip
 
 
@@ -330,7 +335,8 @@ def prognosis(asked: PrognosisAsked, service: Served) -> JobState:
         raise DesignError("the tasks have no legs")
     future: FutureName = asked.future
     threshold = asked.threshold or prepared.robot.thresholds.completion
-    views = outlooks(prepared.plant, exposure, ledger, future=future, knowledge=plan.knowledge)
+    wear = prepared.wear.renewed(exposure.settled(ledger))
+    views = outlooks(prepared.plant, exposure, ledger, future=future, knowledge=plan.knowledge, wear=wear)
 
     left_out = unknown_in(views["sensor_based"], plan.joined)
 

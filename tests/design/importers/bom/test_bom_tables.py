@@ -250,7 +250,7 @@ def test_a_missing_file_and_a_folder(tmp_path):
 def test_a_mapping_file_is_written_and_read(tmp_path):
     path, saved = tmp_path / "list.csv", tmp_path / "map.yaml"
     path.write_text('Wo;"Was: #1";Wieviel\nC1;0,1 µF Kerko;1\n', encoding="utf-8")
-    with pytest.raises(DesignError, match="say which columns they are with --mapping"):
+    with pytest.raises(DesignError, match="say which columns they are in a mapping file"):
         read_table(path)
     saved.write_text("schema_version: 1\ncolumns: {reference: Wo, value: 'Was: #1', quantity: wieviel}\n")
     read = read_table(path, parse_mapping(saved))

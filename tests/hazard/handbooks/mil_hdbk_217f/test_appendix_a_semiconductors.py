@@ -1,44 +1,35 @@
 """Semiconductors of MIL-HDBK-217F Notice 2 §6 against generic rates printed in its Appendix A, all environments."""
 
-import json
-from pathlib import Path
-
 import pytest
 
 from robophm.hazard.environments import ENVIRONMENTS
-from robophm.hazard.handbooks import handbook_model
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import OPTICAL_ENVIRONMENT, RF_ENVIRONMENT
 
+from .appendix_a import Printed, rate
+
 FILE = "appendix_a_semiconductors.json"
-DATA = json.loads((Path(__file__).parents[3] / "data" / FILE).read_text(encoding="utf-8"))
-JUNCTION, ROWS = DATA["junction_temperature"], DATA["rows"]
-RATES = [
-    (name, environment)
-    for name, row in ROWS.items()
-    for environment in row["rates"]
-    if environment not in row["disputed"]
-]
+PRINTED = Printed(FILE)
+JUNCTION, ROWS = PRINTED.junction, PRINTED.rows
 
 
 def ours(row, environment):
     """Failures/10⁶ h at the appendix's defaults; lasers at no more than the 75 °C of their section."""
-    model, junction = handbook_model(row["model"]), JUNCTION[environment]
+    junction = JUNCTION[environment]
     if row["model"].endswith("laser_diode"):
         junction = min(junction, 75)
-    given = {**row["inputs"], "temperature": f"{junction} degC", "environment": environment}
-    return float(model.evaluate(model.settle(given)).value) * 1e6
+    return rate(row["model"], {**row["inputs"], "temperature": f"{junction} degC", "environment": environment})
 
 
 def test_the_rates_are_all_there():
     assert all(list(row["rates"]) == list(ENVIRONMENTS) for row in ROWS.values())
-    assert (len(ROWS), len(RATES), sum(len(row["disputed"]) for row in ROWS.values())) == (17, 185, 53)
+    assert PRINTED.counts == (17, 185, 53)
 
 
-@pytest.mark.parametrize(("name", "environment"), RATES)
+@pytest.mark.parametrize(("name", "environment"), PRINTED.rates)
 def test_generic_rates(name, environment, answer):
     row = ROWS[name]
     answer(row["model"], FILE)
-    assert ours(row, environment) == pytest.approx(row["rates"][environment], **DATA["tolerance"])
+    assert ours(row, environment) == pytest.approx(row["rates"][environment], **PRINTED.tolerance)
 
 
 @pytest.mark.parametrize("name", [name for name in ROWS if name.startswith(("opto", "display", "laser"))])
@@ -47,7 +38,7 @@ def test_the_appendix_takes_another_environment_factor_for_light(name):
     row = ROWS[name]
     for environment in set(row["rates"]) - ({"MF"} if name == "opto_led" else set()):
         ratio = RF_ENVIRONMENT[environment] / OPTICAL_ENVIRONMENT[environment]
-        assert ours(row, environment) * ratio == pytest.approx(row["rates"][environment], **DATA["tolerance"])
+        assert ours(row, environment) * ratio == pytest.approx(row["rates"][environment], **PRINTED.tolerance)
 
 
 def test_a_laser_is_twice_as_sensitive_to_heat_as_a_led():
@@ -73,16 +64,13 @@ def test_a_laser_is_twice_as_sensitive_to_heat_as_a_led():
     ],
 )
 def test_the_junction_is_warmer_by_what_is_dissipated(given, junction):
-    model = handbook_model("mil_hdbk_217f.transistor_unijunction")
-    plain = {"environment": "GM"}
-    warm = model.evaluate(model.settle({**plain, **given, "temperature": "40 degC"})).value
-    assert warm == pytest.approx(
-        float(model.evaluate(model.settle({**plain, "power": "0 W", "temperature": f"{junction} degC"})).value),
-        rel=1e-14,
-    )
+    name = "mil_hdbk_217f.transistor_unijunction"
+    warm = rate(name, {"environment": "GM", **given, "temperature": "40 degC"})
+    cold = rate(name, {"environment": "GM", "power": "0 W", "temperature": f"{junction} degC"})
+    assert warm == pytest.approx(cold, rel=1e-14)
 
 
 @pytest.mark.parametrize("name", ["gaas_low", "gaas_power"])
 def test_the_appendix_needs_another_factor_for_gallium_arsenide_in_missiles(name):
     """The doubt that the model's source states: 9 and not 7.5."""
-    assert ours(ROWS[name], "MF") * 9 / 7.5 == pytest.approx(ROWS[name]["rates"]["MF"], **DATA["tolerance"])
+    assert ours(ROWS[name], "MF") * 9 / 7.5 == pytest.approx(ROWS[name]["rates"]["MF"], **PRINTED.tolerance)

@@ -21,7 +21,7 @@ from robophm.transports.recordings.recording import Recording
 from robophm.transports.synthetic import SyntheticOta
 
 from ...conftest import SIGNALS
-from ..made import JOINTS, T0, TEMPERATURE, joints, rewrite, rewrite_mcap, ros1_in_mcap, temperature
+from ..made import COMPRESSED, JOINTS, T0, TEMPERATURE, joints, rewrite, rewrite_mcap, ros1_in_mcap, temperature
 
 Write = Callable[..., Path]
 
@@ -87,18 +87,7 @@ def test_every_field(suffix: str, recorded: dict[str, Path]) -> None:
     agree(recorded[suffix], signals=all_signals(recorded[suffix]))
 
 
-@pytest.mark.parametrize(
-    ("suffix", "target", "compression"),
-    [
-        (".bag", "new.bag", "BZ2"),
-        (".bag", "new.bag", "LZ4"),
-        (".db3", "new.sqlite3", "FILE"),
-        (".db3", "new.sqlite3", "MESSAGE"),
-        (".mcap", "new.mcap", "FILE"),
-        (".mcap", "new.mcap", "MESSAGE"),
-        (".mcap", "new.mcap", "STORAGE"),
-    ],
-)
+@pytest.mark.parametrize(("suffix", "target", "compression"), COMPRESSED)
 def test_compressed(suffix: str, target: str, compression: str, recorded: dict[str, Path], tmp_path: Path) -> None:
     agree(rewrite(recorded[suffix], tmp_path / target, compression))
 

@@ -5,7 +5,7 @@ import { edit, go, useDesign, useUnit } from "../../lib/store";
 import { everyPart, findPart, freeName, insteadOfRate, isValues, type Part, treeOf } from "../../lib/tree";
 import { marked, rateText } from "../../lib/words";
 import { Dialog } from "../../parts/Dialog";
-import { Area } from "../../parts/Field";
+import { Area, useTyping } from "../../parts/Field";
 import { Table } from "../../parts/Table";
 import { LevelSelect } from "./LevelSelect";
 
@@ -60,14 +60,21 @@ export function PartsTable(): ReactNode {
 }
 
 function Cell({ label, value, set }: { label: string; value: string; set: (value: string) => void }): ReactNode {
+  const typing = useTyping(value, set);
   return (
-    <input
-      aria-label={label}
-      key={value}
-      defaultValue={value}
-      onBlur={(event) => event.target.value !== value && set(event.target.value)}
-      onKeyDown={(event) => event.key === "Enter" && event.currentTarget.blur()}
-    />
+    <>
+      <input
+        aria-label={label}
+        value={typing.text}
+        onChange={(event) => typing.type(event.target.value)}
+        onBlur={typing.finish}
+        onKeyDown={(event) => {
+          if (event.key === "Enter") event.currentTarget.blur();
+          if (event.key === "Escape") typing.drop();
+        }}
+      />
+      {typing.meanwhile && <span className="small wrong" role="alert">{typing.meanwhile}</span>}
+    </>
   );
 }
 

@@ -25,7 +25,7 @@ class Assumptions:
     quality: str | None = None
     """A level, of the models that know it; None for each model's own default, its lowest or 'commercial'."""
     board_quality: str | None = None
-    """What the level of the design states, or will; its parts inherit it."""
+    """The quality that the robot or module of these parts states, or will state, and that its parts inherit."""
 
     def __post_init__(self) -> None:
         """Words are taken as their symbol. Raises ModelError for an environment that there is none of."""

@@ -7,7 +7,10 @@ import re
 
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "u"), (1e-9, "n"), (1e-12, "p"))
 _POINTS = {"R": 1.0, "K": 1e3, "M": 1e6, "G": 1e9, "L": 1e-3, "N": 1e-3}
-"""What stands for the decimal point and scales: 4K7; L of ohms is a thousandth, N of microhenries too."""
+"""The factor of each letter that stands in place of the decimal point: 4K7 is 4.7 · 10³.
+
+L in ohms, and N in microhenries, is a thousandth.
+"""
 
 _BELOW = {"9": -1, "8": -2, "J": -1, "K": -2, "L": -3}
 """Last characters of four that divide: 5109 and 510J are 51.0."""

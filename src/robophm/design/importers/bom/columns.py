@@ -113,7 +113,7 @@ class ColumnMapping:
     columns: Mapping[str, str]
     decimal: Decimal | None = None
     sheet: str | None = None
-    """Of a workbook; None for the one that is best understood."""
+    """The name of the sheet to read from a workbook; None for the sheet whose header is understood best."""
 
 
 def read_table(path: Path, said: ColumnMapping | None = None) -> PartsTable:
@@ -161,7 +161,7 @@ def _chosen(path: Path, said: ColumnMapping) -> PartsTable:
             raise fault
         found = ", ".join(repr(cell[:30]) for cell in (seen.cells if seen else ())[:8])
         raise SheetError(f"has no header with e.g. Reference, Quantity, Value, Footprint; found {found}; say which "
-                         "columns they are with --mapping")  # fmt: skip
+                         "columns they are in a mapping file")  # fmt: skip
     rows = tuple(row for row in sheet.rows() if row.number > header.number)
     titles = sum(1 for row in islice(sheet.rows(), HEADER_WITHIN) if row.number < header.number)
     places = {column.place for column in columns}
@@ -317,7 +317,7 @@ def mapping_text(table: PartsTable) -> str:
     from robophm.design.naming import quoted
 
     lines = [
-        "# What the columns of a parts list mean; robophm import-bom reads it with --mapping.",
+        "# What the columns of a parts list mean; `robophm import-bom --mapping` reads it.",
         "schema_version: 1",
     ]
     lines += [f"sheet: {quoted(table.sheet)}"] if table.others else []

@@ -180,7 +180,7 @@ class Spoken:
     measured: frozenset[str] = frozenset()
     """Kinds that its value can be of: 10u is a capacitance or an inductance."""
     stated: frozenset[str] = frozenset()
-    """Those that its value's unit itself says: 10uF is a capacitance."""
+    """Kinds that the unit of its value states outright: 10uF is a capacitance."""
     coded: str = ""
     """The kind that its maker's number says by a published code."""
 
@@ -358,6 +358,9 @@ _ON_BOARDS = re.compile(
     r"\w*regler|controllers?|converters?|dc-?dc|treiber",
     re.I,
 )
-"""What is sold as a board too; where neither letters, nor a package, nor a number speak of a circuit, it is one."""
+"""Words for circuits that are also sold as whole boards.
+
+A part with such a word is taken for a board unless reference letters, a package or a part number tell of a circuit.
+"""
 
 _PACKAGE = re.compile(r"(?<![A-Za-z])(?:[A-Z]*QF[NP]|LGA|[A-Z]*BGA|SO[TP]?|[A-Z]*SOP|SOIC|DFN|LCC|WLCSP)-?[0-9]")

@@ -96,7 +96,7 @@ class Level:
 
     @property
     def quality(self) -> str | None:
-        """What the level states or inherits."""
+        """Return the quality that the level states or inherits; None where there is none."""
         stated = [found[1] for level in self.levels if (found := child(level, "quality"))]
         return str(plain(stated[-1])) if stated else None
 

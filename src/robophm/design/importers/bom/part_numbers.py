@@ -1,4 +1,4 @@
-"""What makers' part numbers say by their published codes: kind, size, value, tolerance, rated voltage.
+"""Part numbers of makers decoded by their published ordering codes: kind, size, value, tolerance, rated voltage.
 
 A number that no series fits says nothing.
 """
@@ -29,7 +29,7 @@ _UNITS = {
 _TOLERANCES = {"B": "0.1 %", "C": "0.25 %", "D": "0.5 %", "F": "1 %", "G": "2 %", "J": "5 %", "K": "10 %", "M": "20 %"}
 _POWER = {"12": "0.5 W", "14": "0.25 W", "18": "0.125 W", "25": "0.25 W", "50": "0.5 W"}
 _ORDERED = re.compile(r"^[0-9]{2,3}-(?=[A-Z0-9]{2,})|(?:CT|TR|DKR)?-ND$")
-"""What distributors put around a maker's number: 81-GRM188…, CF14JT10K0CT-ND."""
+"""A pattern of the prefixes and suffixes that distributors add to a maker's number: 81-GRM188…, CF14JT10K0CT-ND."""
 
 
 def part_number(*cells: str) -> Decoded | None:

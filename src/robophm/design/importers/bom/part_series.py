@@ -11,17 +11,17 @@ from typing import NamedTuple
 
 
 class Series(NamedTuple):
-    """What fits its pattern is a part of this kind, of which the groups of the pattern say more."""
+    """A series of parts: a number that fits its pattern is of its kind, and the pattern's groups hold further facts."""
 
     kind: str
     pattern: re.Pattern[str]
     """Groups: size, tolerance, volts, dielectric, power; value, a code; ohms, a number with a letter for its point."""
     tables: Mapping[str, Mapping[str, str]]
-    """What the characters of a group mean; a group without a table is taken as it is written."""
+    """The meaning of the characters of each group; a group without a table is taken as it is written."""
     facts: Mapping[str, str]
-    """What is so of the whole series."""
+    """Facts that hold for every part of the series."""
     scale: float
-    """Of the value's code, to the SI unit."""
+    """The factor by which the number of the value's code is multiplied for the SI unit (F, ohm, H)."""
 
 
 _METRIC = {
@@ -33,7 +33,7 @@ _EIA_VOLTS = {
     "1H": "50", "1J": "63", "1K": "80", "2A": "100", "2C": "160", "2D": "200", "2E": "250", "2V": "350", "2G": "400",
     "2W": "450", "2H": "500", "2J": "630", "3A": "1000", "3D": "2000", "3F": "3150",
 }  # fmt: skip
-"""Of JIS C 5101 and EIA-198, which most makers of capacitors use."""
+"""Rated voltages [V] by the codes of JIS C 5101 and EIA-198, which most makers of capacitors use."""
 
 _SIZES = r"(?P<size>01005|0201|0402|0603|0805|1206|1210|1218|1808|1812|2010|2220|2225|2512)"
 _PF = r"(?P<value>[0-9]{3}|[0-9]R[0-9]|R[0-9]{2})"

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from robophm.design.importers.bom.columns import Decimal
 from robophm.design.importers.bom.kinds import MICROCIRCUITS, Spoken, any_of, kind_of, spread
 from robophm.design.importers.bom.part_numbers import part_number
+from robophm.design.importers.bom.power_by_size import CHIP_POWER, PACKAGE_POWER
 from robophm.design.importers.bom.quantities import (
     CURRENT,
     END,
@@ -55,7 +56,7 @@ class Recognised:
     concluded: Mapping[str, str] = field(default_factory=dict)
     """Facts, and 'kind', that something only suggests: by what."""
     contradictions: tuple[str, ...] = ()
-    """What the cells of a row say against each other, and what is taken."""
+    """Sentences on cells of the row that contradict each other, each with which of them was believed."""
 
 
 def recognise(references: tuple[str, ...], row: Described, decimal: Decimal = ".") -> Recognised:
@@ -188,25 +189,6 @@ TYPES: Mapping[str, Mapping[str, re.Pattern[str]]] = {
     }.items()
 }  # fmt: skip
 """Types of a kind that change how it fails, and the words that name them."""
-
-CHIP_POWER = {
-    "01005": "0.031 W", "0201": "0.05 W", "0402": "0.0625 W", "0603": "0.1 W", "0805": "0.125 W", "1206": "0.25 W",
-    "1210": "0.5 W", "1218": "1 W", "2010": "0.75 W", "2512": "1 W",
-}  # fmt: skip
-"""The power that makers usually rate a chip resistor for, by size."""
-
-PACKAGE_POWER = {
-    "0.3 W": any_of(r"SOT-?(23|323|363|523)(-[0-9])?|SC-?(59|70)(-[0-9])?"),
-    "0.6 W": any_of(r"TO-?92\w*"),
-    "1 W": any_of(r"SOT-?89(-[0-9])?"),
-    "1.5 W": any_of(r"SOT-?223(-[0-9])?"),
-    "2 W": any_of(r"(SO|SOIC|SOP)-?8"),
-    "20 W": any_of(r"TO-?126(-[0-9])?"),
-    "50 W": any_of(r"D-?PAK|TO-?252(-[0-9])?"),
-    "100 W": any_of(r"TO-?220\w*(-[0-9])?|D2-?PAK|TO-?263(-[0-9])?"),
-    "200 W": any_of(r"TO-?247(-[0-9])?|TO-?3P?"),
-}
-"""The power that makers usually rate a transistor for, by package."""
 
 _TRANSISTORS = ("transistor", "fet", "bipolar transistor")
 _WITH_VOLTAGE = (

@@ -39,10 +39,13 @@ MEASURED: Mapping[str, tuple[Patterns, str]] = {
     "inductor": (INDUCTANCE, "H"),
     "crystal": (FREQUENCY, "Hz"),
 }
-"""What the value of a kind is measured in: by its unit, or by a prefix alone, as people write it."""
+"""Patterns of the value of each kind of part, and its SI unit.
+
+The first pattern wants the unit itself; the others take a prefix alone, as people write it.
+"""
 
 _SCALE = {"µ": "u", "μ": "u", "K": "k", "R": "", "E": "", "P": "p", "N": "n", "U": "u"}
-"""What people write in capitals; M is a million but of henries, of which nobody has as many."""
+"""The SI prefix for each letter that is used for one; M is a million, but in henries a thousandth."""
 
 _LETTER_AS_POINT = re.compile(
     r"(?<![\w.])([0-9]{1,4})([pnuµμmkKMGRVPNU])([0-9]{1,3})(?=[FfHhΩ]?(?![^\W_]))"
@@ -106,11 +109,11 @@ def measured(value: str) -> tuple[frozenset[str], frozenset[str]]:
 
 
 class Value(NamedTuple):
-    """What several sources say of one quantity."""
+    """The value of one quantity after several sources of it were compared."""
 
     text: str | None
     why: str = ""
-    """Where it is not as the list's own value says it: from where."""
+    """The source of the value, where it is not the list's own column of values; else ""."""
     contradiction: str = ""
 
 

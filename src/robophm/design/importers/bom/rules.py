@@ -35,11 +35,11 @@ STAND_IN = "a stand-in: only the ratio to what is applied counts"
 NEAREST = "the nearest"
 CLASS_I = ("C0G", "U2J")
 MOST_BITS = 268435456
-"""Of ANSI/VITA 51.1."""
+"""The largest memory [bit] that is rated, to which the rules of ANSI/VITA 51.1 extend the handbook's."""
 
 USUAL_BITS = 1048576
 LARGE = 1.0
-"""µF, from which on a capacitor of which nothing else is known is taken for an electrolytic one."""
+"""The capacitance [µF] from which on a capacitor of which nothing else is known is taken for an electrolytic one."""
 
 
 def _capacitor_style(part: Recognised, assumed: Assumptions) -> tuple[str, str]:

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from robophm.core.errors import DesignError, nearest
+from robophm.core.files import STANDARD_INPUT, stream_of
 from robophm.design.importers.bom.sheets import MAX_COLUMNS, MAX_ROWS, SheetError
 from robophm.design.importers.bom.spreadsheets import workbook
 
@@ -65,10 +66,10 @@ def read_sheets(path: Path) -> list[Sheet]:
 
 def _content(path: Path) -> bytes:
     try:
-        if not path.exists():
+        if path != STANDARD_INPUT and not path.exists():
             beside = [other.name for other in path.parent.iterdir()] if path.parent.is_dir() else []
             raise DesignError(f"{path}: no such file{nearest(path.name, beside)}")
-        with path.open("rb") as stream:
+        with stream_of(path) as stream:
             content = stream.read(MAX_BYTES + 1)  # a device never ends, whatever size it says
     except OSError as error:
         raise DesignError(f"{path}: cannot be read: {error.strerror}") from None

@@ -1,4 +1,7 @@
-"""What moves each joint: parts of the library, by the names and meshes of the links, the limits, and what is said."""
+"""Motors, servos and gears of each joint of a URDF, as entries of the library of parts.
+
+They are told by names and meshes of links, by the limits of joints, and by what somebody answered.
+"""
 
 from __future__ import annotations
 
@@ -15,10 +18,10 @@ DRIVES = ("servos", "motors", "gears")
 """Kinds of the library that say what a joint is moved by."""
 
 LIGHT = 5.0
-"""Of a robot [kg]: its wheels are taken to have small brushed gearmotors."""
+"""The largest mass [kg] of a robot whose wheels are taken to have small brushed gearmotors."""
 
 WEAK = 12.0
-"""Of a joint of a robot that is LIGHT [N·m]: it is taken to have a servo."""
+"""The largest effort [N·m] at which a joint of a robot up to ``LIGHT`` is taken to have a servo."""
 
 GRIPPING = frozenset({"gripper", "finger", "fingers", "jaw", "knuckle", "claw", "hand", "grip"})
 SPINNING = frozenset({"rotor", "rotors", "prop", "propeller", "props"})
@@ -45,7 +48,7 @@ class Moved:
 
     joint: Joint
     use: str
-    """wheel, caster, rotor, gripper, slide or arm"""
+    """The use of the joint: wheel, caster, rotor, gripper, slide or arm."""
 
 
 def moved(description: Description) -> list[Moved]:

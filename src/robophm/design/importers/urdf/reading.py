@@ -33,14 +33,14 @@ class Link:
 
     name: str
     mass: float
-    """[kg]; 0 where it is not stated."""
+    """The mass of the body [kg]; 0 where it is not stated."""
     looks: tuple[str, ...]
-    """What it is drawn with: names of its meshes and materials, which often name the part."""
+    """Names of the meshes and materials that it is drawn with, which often name the part."""
 
 
 @dataclass(frozen=True)
 class Joint:
-    """What joins two links, and how far and hard it may move."""
+    """A joint between two links, with the limits of its movement."""
 
     name: str
     type: str
@@ -48,11 +48,11 @@ class Joint:
     child: str
     lower: float
     upper: float
-    """[rad], or of a prismatic one [m]; not a number where it is not stated, as of a continuous one."""
+    """The ends of its travel [rad, or m of a prismatic joint]; not a number where they are not stated."""
     effort: float
     """The most that it may be driven with [N·m or N]; not a number where it is not stated, or 0."""
     velocity: float
-    """[rad/s or m/s]; as effort."""
+    """The largest speed [rad/s or m/s]; not a number where it is not stated, or 0."""
     mimics: str
     """The joint that it follows, which is driven in its place; "" where there is none."""
     driven: bool
@@ -70,10 +70,10 @@ class Sensor:
 
     name: str
     type: str
-    """As the tag has it: gpu_lidar, camera, imu …; "" of ros2_control."""
+    """The type that a tag of Gazebo states: gpu_lidar, camera, imu …; "" for a sensor of ros2_control."""
     link: str
     topic: str
-    """As the tag has it, or ""."""
+    """The topic that the tag states; "" where it states none."""
     rings: int
     """Vertical samples of a lidar; 1 where none are stated."""
 
@@ -91,12 +91,15 @@ class Description:
 
     @property
     def mass(self) -> float:
-        """Of all links [kg]."""
+        """The mass of all links together [kg]; links that state none count as 0."""
         return math.fsum(link.mass for link in self.links)
 
 
 def read_urdf(path: Path) -> Description:
-    """What a URDF describes. Raises DesignError, one line, for what is none, or a xacro file that is not expanded."""
+    """Read the robot that a URDF file describes.
+
+    Raises DesignError, one line, where it cannot be read, is no URDF, or is a xacro file that was not expanded.
+    """
     markup = Markup(path)
     root = markup.root()
     if root.tag != "robot":

@@ -21,14 +21,14 @@ OF_GAZEBO = {
     "force_torque": "force_torque_sensor", "altimeter": "barometer", "air_pressure": "barometer",
     "magnetometer": "magnetometer",
 }  # fmt: skip
-"""By type of a sensor in a tag of Gazebo (SDFormat), the entry that it most likely is."""
+"""The most likely entry of the library of parts for each type of sensor in a tag of Gazebo (SDFormat)."""
 
 _CALLED = {
     "scan": "lidar_2d", "laser": "lidar_2d", "lidar": "lidar_2d", "sonar": "ultrasonic_sensor", "gnss": "gnss_receiver",
     "gps": "gnss_receiver", "depth": "depth_camera", "rgbd": "depth_camera", "bumper": "bumper_switch",
     "cliff": "infrared_sensor", "ft": "force_torque_sensor", "rgb": "camera", "optical": "camera",
 }  # fmt: skip
-"""What links are called for the sensor on them."""
+"""The entry of the library for each word by which links are named after the sensor on them."""
 
 _SIDES = ("front", "rear", "back", "left", "right", "top", "bottom", "upper", "lower")
 _VAGUE = frozenset(

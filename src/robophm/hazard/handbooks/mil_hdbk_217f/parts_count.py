@@ -113,7 +113,11 @@ MICROCIRCUITS = Table("generic rate λg of microcircuits at πQ = πL = 1", SOUR
     gaas-digital-1000            .0085 .030  .057  .057  .084  .060  .073  .080  .12   .11   .0085 .071  .17   3.0
     gaas-digital-10000           .014  .053  .10   .10   .15   .11   .13   .14   .22   .21   .014  .13   .31   5.5
 """, columns=tuple(ENVIRONMENTS))  # fmt: skip
-"""By kind, technology and how many gates, transistors, bits or elements at most; six misprinted cells are left out."""
+"""Generic rates λg of microcircuits [failures/10⁶ h] by environment.
+
+A row is a kind, a technology, and the largest number of gates, transistors, bits or elements. Six misprinted cells are
+left out.
+"""
 
 CONDITIONS = {
     "diode-general": "S = 0.7, bonded",

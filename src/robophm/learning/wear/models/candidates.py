@@ -15,9 +15,11 @@ MOST = 120
 """Readings of a course; of more, means of neighbours."""
 
 COUNTS = 10.0
-"""What all readings together count as, at most, in one-step scores: a law is only nearly the model's, however densely
-it is read, and one step tells more of noise than of where wear goes (the coarsened posterior of Miller and Dunson, J.
-Am. Stat. Assoc. 114, 2019)."""
+"""The largest number of readings that all of them together count as in one-step scores.
+
+A law is only nearly the model's, however densely it is read, and one step tells more of noise than of where wear goes
+(the coarsened posterior of Miller and Dunson, J. Am. Stat. Assoc. 114, 2019).
+"""
 
 HALF_LIFE = 0.25
 """Half-life of scores, as a share of the readings: the law that holds now counts (forgetting, as Raftery, Kárný and

@@ -21,5 +21,5 @@ def scales(course: DegradationPath) -> list[Scale]:
 
 
 def candidates(course: DegradationPath) -> ScaledWiener:
-    """Of any course."""
+    """Return the candidates of this model; it fits any path of wear."""
     return ScaledWiener(course, scales(course))

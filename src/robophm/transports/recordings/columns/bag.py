@@ -65,7 +65,7 @@ class BagFile(ChunkedFile):
         self._defined: dict[int, tuple[str, str, str]] = {}
         self._counts: Counter[int] = Counter()
         self._told: dict[int, Mapping[int, int]] = {}
-        """By where a chunk lies, how many messages of each connection its info counts."""
+        """The number of messages of each connection, as the chunk's info counts them, by the offset of the chunk."""
         self._ends: dict[int, Mapping[int, int]] = {}
         """The same by where its content ends, once that is known."""
         self._header = Record(HEADER, {}, 0, 0)

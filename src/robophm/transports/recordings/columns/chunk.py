@@ -17,17 +17,17 @@ class Chunk(NamedTuple):
     last: int
     """Earliest and latest receipt time [ns]."""
     offset: int
-    """The place of its record."""
+    """The offset of its record in the file."""
     start: int
     end: int
-    """The end of its content."""
+    """The offsets at which its content begins and ends in the file."""
     compression: str
     size: int
-    """Bytes of its content, unpacked."""
+    """The size of its content when unpacked [bytes]."""
     checksum: int
-    """0 where it has none."""
+    """The checksum of its content; 0 where it has none."""
     indices: dict[int, int] | None
-    """The places in the file of the index of its messages, by connection; None where there is none."""
+    """The offset of the index of each connection's messages in the file; None where the chunk has no index."""
     behind: int = 0
     """The end of those; 0 where that is not known."""
     cut: bool = False
@@ -44,7 +44,10 @@ Place = tuple[Chunk, int, int]
 
 
 class UnknownError(DamageError):
-    """Something is not as it was known to be, and may be right nevertheless: it is not believed, nor called damaged."""
+    """Raised where an index has a form that this reader does not know, which a newer writer may use.
+
+    Such an index is not used, and nothing is noted as damaged.
+    """
 
 
 def distinct(offsets: NDArray[Any], most: int) -> bool:

@@ -32,7 +32,7 @@ from robophm.transports.recordings.columns.pieces import (
 from robophm.transports.recordings.columns.unpacking import LARGEST_CHUNK, unpack, unpack_begun, unpack_some
 
 SPARSE = 4
-"""Of a chunk that is not compressed single messages are read where they touch at most one of so many of its pages."""
+"""Single messages of a chunk that is not compressed are read where they touch at most one in so many of its pages."""
 
 _AT_ONCE = min(4, os.cpu_count() or 1)
 """Chunks that are unpacked at once."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import split_signal
-from robophm.transports.recordings.columns.decoding import Reading, Receipts
+from robophm.transports.recordings.columns.decoding import ColumnDecoder, Receipts
 from robophm.transports.recordings.columns.drive import opened
 from robophm.transports.recordings.columns.pieces import MOST_TIME, Messages, Piece, PiecedFile
 from robophm.transports.recordings.columns.splits import splits_joined
@@ -24,7 +24,7 @@ from robophm.transports.signals.element_names import Names
 from robophm.transports.signals.message_type import fields_of, message_type
 
 Load = Callable[[], list[tuple[str, TopicColumns]]]
-"""What gives the columns of a piece, by topic."""
+"""A function that reads the columns of one piece of a file, by topic."""
 
 
 class Columns(Iterator[Block]):
@@ -140,7 +140,7 @@ class _Source:
             if connection.topic in wanted
         }
 
-    def _reading(self, connection: Any, fields: Sequence[str]) -> Reading | Receipts:
+    def _reading(self, connection: Any, fields: Sequence[str]) -> ColumnDecoder | Receipts:
         if not fields:
             return Receipts(connection.topic)
         with reading(self._file.path):
@@ -151,7 +151,7 @@ class _Source:
             if type_.borrowed:
                 self._notes[f"definition of {type_.name} taken from ROS 2 Humble"] += 1
             try:
-                return Reading(type_, connection.topic, fields, self._notes, self._names)
+                return ColumnDecoder(type_, connection.topic, fields, self._notes, self._names)
             except SourceError as error:
                 raise SourceError(f"{self._file.path}: topic '{connection.topic}' {error}") from None
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robophm.core.signal import SECOND, named
+from robophm.core.signal import SECOND, Element, named
 from robophm.transports.recordings.columns.field_extraction import Ints, Program
 from robophm.transports.recordings.columns.message_layout import NotCompilableError, compile_fields
 from robophm.transports.recordings.columns.pieces import Messages
@@ -43,7 +43,7 @@ class _Labels:
         ids = self.marks[field][rows]
         return self.known[ids[0]] if len(ids) and ids[0] >= 0 else ()
 
-    def at(self, field: str, rows: Any, element: int | str | None) -> Iterator[tuple[str, int, int]]:
+    def at(self, field: str, rows: Any, element: Element | None) -> Iterator[tuple[str, int, int]]:
         """The names of a field's element in these messages, and of each the first message and how many."""
         ids = self.marks[field][rows]
         if not len(ids):
@@ -92,7 +92,7 @@ def _recipe(type_: MessageType, fields: tuple[str, ...]) -> _Recipe:
     return _Recipe(stamps, paths, getters, namers, arrays, program)
 
 
-class Reading:
+class ColumnDecoder:
     """Makes columns of the messages of one connection: by a compiled program, else one by one by rosbags."""
 
     def __init__(

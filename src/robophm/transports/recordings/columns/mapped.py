@@ -33,7 +33,7 @@ _RANDOM, _WHOLE, _AHEAD = (
 )  # where a system has no such advice it reads as it likes
 
 _mapped: dict[int, MappedFile] = {}
-"""Those that are, in the order in which they were."""
+"""The files that are mapped now, by identity, in the order in which they were mapped."""
 
 _lock = Lock()
 

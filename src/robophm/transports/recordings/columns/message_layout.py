@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
-from robophm.core.signal import named, steps_of
+from robophm.core.signal import Element, Reduction, named, steps_of
 from robophm.transports.recordings.columns.field_extraction import (
     Align,
     Elements,
@@ -42,7 +42,7 @@ _TYPES = {
 } | {f"{sign}int{8 * size}": f"{sign or 'i'}{size}" for sign in ("", "u") for size in (1, 2, 4, 8)}
 _ONLY_IN_CDR = "structure_needs_at_least_one_member"
 
-Wanted = Mapping[tuple[str, int | str | None], Any]
+Wanted = Mapping[tuple[str, Element | None], Any]
 """Wanted numbers by field and index or name: the slot of a number, or what is wanted of the message there."""
 
 
@@ -55,10 +55,12 @@ def compile_fields(type_: MessageType, fields: tuple[str, ...]) -> Program:
 
     Raises NotCompilableError where rosbags has to decode the messages.
     """
-    wanted: dict[tuple[str, int | str | None], Any] = {}
+    wanted: dict[tuple[str, Element | None], Any] = {}
     labels: dict[str, str] = {}
     for slot, field in enumerate(fields):
         *parents, leaf = steps_of(field)
+        if isinstance(leaf.element, Reduction):
+            raise NotCompilableError
         for array, names in _labels(type_, field).items():
             if names != next(iter(labels.values()), names):
                 raise NotCompilableError  # two kinds of names
@@ -145,7 +147,7 @@ class _Writer:
         self._align(4)
         self._write(Labels(self.skip, not self.packed), 1)
 
-    def _labelled(self, description: Any, wanted: Mapping[int | str | None, Any], mark: int) -> None:
+    def _labelled(self, description: Any, wanted: Mapping[Element | None, Any], mark: int) -> None:
         """An array whose elements, all of one size, have names."""
         element = description[1][0]
         self._varies()
@@ -156,7 +158,7 @@ class _Writer:
         by_name = {key: steps for key, steps in inside.items() if isinstance(key, str)}
         self._write(Elements(self.skip, size, align, by_index, by_name, mark), min(align, 4))
 
-    def _field(self, description: Any, wanted: Mapping[int | str | None, Any]) -> None:
+    def _field(self, description: Any, wanted: Mapping[Element | None, Any]) -> None:
         from rosbags.interfaces import Nodetype
 
         node, detail = description
@@ -186,7 +188,7 @@ class _Writer:
                 self._found(1)
             self._skip(size)
 
-    def _array(self, description: Any, length: int, wanted: Mapping[int | str | None, Any]) -> None:
+    def _array(self, description: Any, length: int, wanted: Mapping[Element | None, Any]) -> None:
         if not length:
             raise NotCompilableError  # readers do not agree on the padding before nothing
         fixed = self._fixed(description)
@@ -203,7 +205,7 @@ class _Writer:
             self.steps += [Take(at + step.skip, step.slot, step.type) for step in steps]
         self._skip(length * size)
 
-    def _sequence(self, description: Any, wanted: Mapping[int | str | None, Any]) -> None:
+    def _sequence(self, description: Any, wanted: Mapping[Element | None, Any]) -> None:
         self._varies()
         self._align(4)
         fixed = self._fixed(description)
@@ -235,8 +237,8 @@ class _Writer:
         return steps, len(writer.types)
 
     def _inside(
-        self, description: Any, wanted: Mapping[int | str | None, Any], align: int
-    ) -> Iterator[tuple[int | str, Sequence[Take]]]:
+        self, description: Any, wanted: Mapping[Element | None, Any], align: int
+    ) -> Iterator[tuple[Any, Sequence[Take]]]:
         """The wanted numbers within elements of fixed size, by index or name."""
         for index, inner in wanted.items():
             assert index is not None

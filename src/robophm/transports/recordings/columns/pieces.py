@@ -68,7 +68,7 @@ class PiecedFile(ABC):
         self.path = path
         self.notes = notes
         self.late: Counter[str] = Counter()
-        """What was noted of the file as a whole behind its opening."""
+        """Notes on the file as a whole that were made after it was opened."""
         self.fingerprint = fingerprint_of(path)
         self.counts: dict[int, int] = {}
         """How many messages of each connection it says that it holds, where it says that."""

@@ -19,7 +19,7 @@ from robophm.core.errors import SourceError
 from robophm.transports.recordings.files import log_of
 
 _LEFT = 2
-"""Of the free room for temporary files, one part in so many is left."""
+"""The divisor of the free room for temporary files: a copy takes at most this part of it."""
 
 _MOST_BEFORE = 1 << 20
 """Times that a log was begun anew, of which frames may be left."""

@@ -1,4 +1,4 @@
-"""What is packed unpacks to no more than it says, and what is damaged is said."""
+"""Chunks unpacked within the size that they state; damaged ones raise an error."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def unpack(content: Bytes, compression: str, size: int) -> Bytes:
 
 
 def unpack_begun(content: Bytes, compression: str, size: int) -> Bytes:
-    """What there is of a chunk's content of ``size`` bytes whose end is missing.
+    """Unpack what is left of a chunk's content of ``size`` bytes whose end is missing.
 
     Raises DamageError as ``unpack``, but where it is less than that.
     """

@@ -1,4 +1,4 @@
-"""What ROS 1 records: bags, also those that the recorder did not close, ``.bag.active``."""
+"""ROS 1 bags, also those that the recorder did not close (``.bag.active``)."""
 
 from __future__ import annotations
 

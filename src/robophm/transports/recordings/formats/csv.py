@@ -7,26 +7,31 @@
     1709553601.0,,25.8
 
 Time is in seconds since the epoch, exact to the nanosecond, or ISO 8601 (UTC where it names no zone). An
-empty cell is no sample; ``nan`` is a sample.
+empty cell is no sample; ``nan`` is a sample. Columns ``/vibration.data[0]``, ``/vibration.data[1]``, … are an array, of
+which a signal may be made, as ``/vibration.data[:rms]``.
 """
 
 from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from decimal import Decimal, InvalidOperation
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import SECOND, Sample, split_signal
+from robophm.core.signal import SECOND, Reduction, Sample, any_element, reduction_of, split_signal
 from robophm.transports.recordings.files import reading
 from robophm.transports.recordings.format import SampleFormat
 from robophm.transports.recordings.text import TextSource
+from robophm.transports.signals.array_reduction import reduced
+from robophm.transports.signals.source import TopicInfo
 
 MOST_COLUMNS = 4096
 """Columns beyond which a file is not believed to be a table of signals."""
 
+_ELEMENT = re.compile(r"\[\d+\]\Z")
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
 
@@ -70,7 +75,46 @@ class CsvRecording(TextSource):
                 if cells:
                     yield rows.line_num, [cell.strip() for cell in cells]
 
+    def topics(self) -> list[TopicInfo]:
+        """Return the topics as of every text, with the array where columns are its elements."""
+        return [
+            replace(info, fields=(*info.fields, *sorted({any_element(one) for one in info.fields if "[" in one})))
+            for info in super().topics()
+        ]
+
+    def samples(self, signals: Collection[str]) -> Iterator[Sample]:
+        """Yield samples as of every text; an array is the cells of one row whose columns are its elements."""
+        signals = [*signals]  # gone through twice
+        arrays: dict[str, tuple[Reduction, list[str]]] = {}
+        for signal in signals:
+            if found := reduction_of(split_signal(signal)[1]):
+                own = [
+                    one for one in self._columns if _ELEMENT.sub("", one) == f"{signal.partition('.')[0]}.{found[0]}"
+                ]
+                if own:
+                    arrays[signal] = found[1], sorted(own, key=lambda one: int(one[one.rindex("[") + 1 : -1]))
+        plain = super().samples([signal for signal in signals if signal not in arrays])
+        if not arrays:
+            return plain
+        return self._with_arrays({*signals}, arrays)
+
+    def _with_arrays(
+        self, wanted: set[str], arrays: Mapping[str, tuple[Reduction, Sequence[str]]]
+    ) -> Iterator[Sample]:  # fmt: skip
+        for time, row in self._values():
+            found = [Sample(time, signal, value) for signal, value in row.items() if signal in wanted]
+            for signal, (reduction, own) in arrays.items():
+                if there := [row[one] for one in own if one in row]:
+                    found.append(Sample(time, signal, reduced(reduction, there)))
+            yield from sorted(found, key=lambda one: one.signal)
+
     def _samples(self) -> Iterator[Sample]:
+        for time, row in self._values():
+            for signal, value in row.items():
+                yield Sample(time, signal, value)
+
+    def _values(self) -> Iterator[tuple[int, dict[str, float]]]:
+        """The time of each row and the values of its cells, by signal in order of their names."""
         order = sorted(range(len(self._columns)), key=self._columns.__getitem__)
         columns = [(self._columns[index], index + 1) for index in order]
         rows = self._rows()
@@ -86,14 +130,15 @@ class CsvRecording(TextSource):
             if previous is not None and time < previous:
                 raise SourceError(f"{self.path}, line {line}: time goes backwards; expected rows in time order")
             previous = time
+            row: dict[str, float] = {}
             for signal, index in columns:
                 if cell := cells[index]:
                     try:
-                        value = float(cell)
+                        row[signal] = float(cell)
                     except ValueError:
                         where = f"{self.path}, line {line}, column {index + 1} ({signal})"
                         raise SourceError(f"{where}: '{cell}' is not a number") from None
-                    yield Sample(time, signal, value)
+            yield time, row
 
 
 def parse_time(text: str) -> int:
@@ -119,6 +164,6 @@ def parse_time(text: str) -> int:
 
 
 _HEADING = re.compile(rb'(\xef\xbb\xbf)?time,"?/')
-"""What a table begins with, as others and ``robophm data export`` write it; one that does not is told by its suffix."""
+"""The beginning of a table as ``robophm data export`` and others write it; any other table is told by its suffix."""
 
 FORMAT = SampleFormat((".csv",), lambda head: _HEADING.match(head) is not None, CsvRecording, in_folders=False)

@@ -1,4 +1,4 @@
-"""What ROS 2 recorded before MCAP: an SQLite file with tables of topics and messages."""
+"""SQLite recordings of ROS 2, its format before MCAP: tables of topics and of messages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What ``robophm watch`` keeps of a live run."""
+"""Journals, in which ``robophm watch`` keeps the samples of a live run for an exact replay."""
 
 from __future__ import annotations
 

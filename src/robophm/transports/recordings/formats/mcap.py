@@ -1,4 +1,4 @@
-"""What ROS 2 records unless told otherwise, and others too: MCAP."""
+"""MCAP, the default format of recordings of ROS 2, which others write too."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What PX4 autopilots log: ULog, read by pyulog (robophm[px4]).
+"""ULog, the logs of PX4 autopilots, read by pyulog (robophm[px4]).
 
 A signal is ``/battery_status.voltage_v``; the second instance of a topic is ``/battery_status_1``. A log counts time
 from the start of the autopilot. What its GPS says of UTC makes a date of that: the median over all fixes, since one may
@@ -36,7 +36,7 @@ _MOST_TIME = 1 << 51
 
 _GPS = ("vehicle_gps_position", "sensor_gps")
 _FIX = 2
-"""From this type of fix on a GPS knows the time."""
+"""The lowest type of fix with which a GPS knows the time."""
 
 NO_UTC = "no GPS told UTC: times count from the start of the autopilot as if that were 1970"
 

@@ -1,7 +1,6 @@
 """Wear read from recordings: readings as plain loops over the samples give them, on the part's own clock."""
 
 import math
-from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +11,7 @@ from rosbags.typesys import Stores, get_typestore
 from robophm.core.errors import DataError, DesignError, SourceError
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
-from robophm.learning.wear.signal_to_readings import Stretches
-from robophm.monitoring.wear_history import wear_history, worn_modes
+from robophm.monitoring.wear_from_recordings import wear_history, worn_modes
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.recordings.recording import Recording
 
@@ -75,7 +73,7 @@ class Drives:
                     header = types["std_msgs/msg/Header"](
                         types["builtin_interfaces/msg/Time"](*divmod(time, SECOND)), ""
                     )
-                    late = int(rng.integers(0, 4 * SECOND))  # received up to four seconds later
+                    late = int(rng.integers(0, SECOND))  # received up to a second later
                     messages.append((time + late, topic, types["sensor_msgs/msg/Temperature"](header, value, 0.0)))
         with path.open("wb") as file:
             writer = Writer(file)
@@ -134,7 +132,7 @@ def test_readings_are_those_of_plain_loops(drives, history):
     }
     for name, values in expected.items():
         assert history.readings[name].values == pytest.approx(values, rel=1e-9), name
-        assert len(history.readings[name].times) == len(values)
+        assert len(history.readings[name].ages) == len(values)
 
 
 def test_an_ambient_is_taken_off_as_it_was_last_heard(drives, history):
@@ -150,17 +148,18 @@ def test_an_ambient_is_taken_off_as_it_was_last_heard(drives, history):
 
 
 def test_they_stand_on_the_parts_own_clock(drives, history):
-    """Off for an hour between the drives, in which nothing wears; clocks are looked at every ten minutes."""
+    """Off for an hour between the drives, in which nothing wears; within a minute the clock is taken to go evenly."""
     readings = history.readings["gearbox"]
     expected = [drives.operating(int(time)) for time in readings.when]
-    assert readings.times == pytest.approx(expected, abs=61 / HOUR)  # a minute when a drive begins
-    assert readings.times[-1] - readings.times[0] == pytest.approx(expected[-1] - expected[0], abs=61 / HOUR)
+    assert readings.ages == pytest.approx(expected, abs=61 / HOUR)  # a minute when a drive begins
+    assert readings.ages[-1] - readings.ages[0] == pytest.approx(expected[-1] - expected[0], abs=61 / HOUR)
+    assert readings.effective == pytest.approx(readings.ages, rel=1e-12)  # no stress changes it
     assert history.monitor.ledger.clocks.value[0] > 1
 
 
 def test_what_does_not_count_is_said(history):
     said = " ".join(history.notes)
-    assert history.notes["motor: samples that are no number within their range, left out"] == 1
+    assert history.notes["not finite: /current.data"] == 1
     assert "bearing: samples without a known ambient" not in said  # the broken one is bridged by the one before
 
 
@@ -175,35 +174,7 @@ def test_a_journal_of_the_run_says_the_same(drives, history, tmp_path):
     again = wear_history(robot, tmp_path / "run.journal", worn_modes(robot))
     for name, readings in history.readings.items():
         assert again.readings[name].values == pytest.approx(readings.values, rel=1e-9)
-        assert again.readings[name].times == pytest.approx(readings.times, abs=61 / HOUR)
-
-
-def test_stretches_do_not_depend_on_how_samples_come():
-    rng = np.random.default_rng(3)
-    times = np.sort(rng.integers(0, 1000 * SECOND, 5000))
-    values = 1e6 + rng.standard_t(5, 5000)
-    whole = Stretches(20 * SECOND)
-    whole.add(times, values)
-    pieces = Stretches(20 * SECOND)
-    for some in np.split(np.arange(5000), np.sort(rng.integers(0, 5000, 300))):
-        pieces.add(times[some], values[some])
-    for reading in ("mean", "rms", "kurtosis", "highest", "lowest"):
-        one, other = (each.readings(reading, Counter()) for each in (whole, pieces))
-        assert other.values == pytest.approx(one.values, rel=1e-7)
-        assert np.abs(other.times - one.times).max() <= 1
-
-
-def test_thin_and_constant_stretches_are_left_out():
-    stretches, notes = Stretches(10 * SECOND), Counter()
-    for k in range(9):
-        stretches.add(np.arange(10) * SECOND + k * 10 * SECOND, np.ones(10) if k == 4 else np.arange(10.0))
-    stretches.add(np.array([95 * SECOND]), np.array([100.0]))
-    found = stretches.readings("kurtosis", notes)
-    assert len(found.values) == 8
-    assert notes == {
-        "stretches with less than 0.25 of the usual 10 samples, left out": 1,
-        "stretches of one value alone, of which there is no kurtosis": 1,
-    }
+        assert again.readings[name].ages == pytest.approx(readings.ages, abs=61 / HOUR)
 
 
 @pytest.mark.parametrize(

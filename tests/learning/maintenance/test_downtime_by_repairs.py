@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from robophm.blocks.diagram import KOutOfN, LoadSharing, Network, Parallel, Series, Standby
+from robophm.learning.maintenance.downtime_by_repairs import Downtimes, Standstill, without_dependence
 from robophm.learning.maintenance.life_cycle_costs import (
     ConditionMonitoring,
     MaintainedPart,
@@ -13,7 +14,6 @@ from robophm.learning.maintenance.life_cycle_costs import (
     simulate,
 )
 from robophm.learning.maintenance.replacement_age import Costs
-from robophm.learning.maintenance.standstill import Downtimes, Standstill, without_dependence
 from robophm.life.exponential import Exponential
 from robophm.life.weibull import Weibull
 
@@ -102,7 +102,7 @@ def test_hours_by_plain_loops(diagram, monkeypatch):
             up = {name: not any(n == name and b < middle < e for n, b, e in spans) for name in "abc"}
             expected[r] += 0.0 if works(up) else high - low
     for at_once in (4_000_000, 60, 1):  # numbers of an array: whole repetitions at a time, however many that are
-        monkeypatch.setattr("robophm.learning.maintenance.standstill._AT_ONCE", at_once)
+        monkeypatch.setattr("robophm.learning.maintenance.downtime_by_repairs._AT_ONCE", at_once)
         found = Standstill(diagram).hours(down, 100.0, 7)
         assert found == pytest.approx(expected, abs=1e-9)
     assert found.max() > 0

@@ -6,7 +6,7 @@ from robophm.design.robot import Robot
 from robophm.groups.monte_carlo import AgeingMode, Estimate, simulate
 
 
-def survival_by_chance(robot: Robot, hours: float, samples: int, *, seed: int = 0) -> Estimate:
+def survival_by_monte_carlo(robot: Robot, hours: float, samples: int, *, seed: int = 0) -> Estimate:
     """Estimate the nominal reliability of a new robot after operating ``hours``, from so many simulated ``samples``.
 
     Raises ValueError where these are none, or beyond ``monte_carlo.MOST``.

@@ -43,16 +43,16 @@ _TIMES = 48  # at which survival is asked in every draw
 
 @dataclass(frozen=True)
 class Ranges:
-    """What is not known of rates makes of a robot's figures: where 90 % lie."""
+    """Intervals of a robot's figures that come of its uncertain rates: 5 %, 50 % and 95 % quantiles."""
 
     hazard_rate: Interval
-    """Over the next hour of operation [1/h]."""
+    """The hazard rate over the next hour of operation [1/h]."""
     median_life: Interval
     """The median remaining life [h of calendar time]."""
     remaining_life: Interval
     """The remaining life itself, chance and all [h of calendar time]."""
     failure: Interval
-    """That the task is not completed."""
+    """The probability that the task is not completed."""
 
     def as_wide_as(self, other: Ranges) -> float:
         """How wide these ranges are, as a share of others: of median life and failure, the mean of both logarithms."""
@@ -70,7 +70,7 @@ class LargestUnknown:
     parts: tuple[Component, ...]
     """Several where they are of one entry of the library: who learns of one learns of all."""
     entry: str
-    """Of the library, with its grade; "" where the rate is not the library's."""
+    """The entry of the library of parts, with its grade; "" where the rate is from elsewhere."""
     if_known: Ranges
     left: float
     """How wide the ranges would still be, as a share of what they are."""

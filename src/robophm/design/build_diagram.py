@@ -1,4 +1,4 @@
-"""The wiring of a design's parts: its diagrams of names become diagrams of units."""
+"""The block diagrams of a design: its diagrams of names become diagrams of units."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from robophm.design.located_error import LocatedError, Path
 from robophm.design.robot import Component, Module
 
 
-class Wiring:
+class DiagramBuilder:
     """Expands diagrams of names to diagrams of units, and finds what contains, or depends on, itself."""
 
     def __init__(

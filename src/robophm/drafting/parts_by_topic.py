@@ -29,7 +29,8 @@ OF_TYPE = {
     "px4_msgs/VehicleAirData": ("barometer", ""),
     "px4_msgs/DistanceSensor": ("time_of_flight_sensor", "a range sensor, taken for one of time of flight"),
 }
-"""By type of message, the entry that most likely sends it, and what of that is assumed."""
+"""The entry of the library that most likely publishes each type of message, and what is assumed in taking it; "" where
+nothing is."""
 
 BATTERY = ("sensor_msgs/BatteryState", "px4_msgs/BatteryStatus")
 """Types that tell of a battery."""
@@ -42,7 +43,7 @@ FUSED = {"imu": ("magnetometer",), "flight_controller": ("imu", "magnetometer", 
 """Parts that are mostly inside another: an inertial unit of nine axes, an autopilot."""
 
 
-def heard_parts(seen: Seen, described: Sequence[DraftPart]) -> list[DraftPart]:
+def parts_by_topic(seen: Seen, described: Sequence[DraftPart]) -> list[DraftPart]:
     """Sensors as described, with the topics that they are heard on, and those that only topics tell of."""
     waiting = [(topic, *found) for topic in seen.topics if (found := _entry(topic))]
     parts: list[DraftPart] = []

@@ -8,9 +8,9 @@ from scipy.stats import norm
 
 from robophm.design.file import parse
 from robophm.design.task import Leg, Task
-from robophm.health.knowing import MOST_TRIED, largest_unknowns, ranges
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
+from robophm.health.rate_sensitivity import MOST_TRIED, largest_unknowns, ranges
 
 HALF_HOUR = Task((Leg(0.5),))
 

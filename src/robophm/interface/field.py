@@ -1,0 +1,60 @@
+"""Rates of a design as failures in the field have them: ``robophm.learn``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from robophm.core.argument_checks import instance
+from robophm.core.errors import DataError
+from robophm.design.robot import Robot
+from robophm.interface.asking import Paths, RobotOrPath, paths_of, robot_of
+from robophm.learning.rates.failure_log import Seen, read_failure_log
+from robophm.learning.rates.rate_update import LearnedRate, UnstatedRate, unstated
+from robophm.learning.rates.rate_update import learn as learned_rates
+from robophm.monitoring.rate_history import rate_history
+from robophm.monitoring.stored_past import stored_past
+from robophm.stores import place_of
+
+STORES = (".db", ".sqlite", ".sqlite3")
+"""Suffixes of stores; all else is a log."""
+
+
+@dataclass(frozen=True)
+class Learned:
+    """The rates of a robot as the field has them."""
+
+    robot: Robot
+    rates: tuple[LearnedRate, ...]
+    unknown: tuple[UnstatedRate, ...]
+    """The experience with parts whose rate the design does not know."""
+    notes: tuple[str, ...]
+
+
+def learn(robot: RobotOrPath, logs: Paths, *, prior: str | None = None, of: str | None = None) -> Learned:
+    """Learn the rates of a design from failures in the field: failure logs (CSV, YAML) and stores of robots (.db).
+
+    ``prior``: what stated rates count as, "10000 h" or "2 failures"; ``of``: the rates of this one robot of the fleet.
+    Raises DataError where a log is none, or nothing was seen.
+    """
+    found = robot_of(robot)
+    for name, given in (("prior", prior), ("of", of)):
+        instance(given, str | None, name, "text, or None", DataError)
+    seen: list[Seen] = []
+    notes: list[str] = []
+    for log in paths_of(logs, "log"):
+        if is_store(log):
+            with stored_past(str(log), found) as (_, ledger):
+                seen += rate_history(found, ledger, Path(place_of(log)).stem)
+        else:
+            read = read_failure_log(log, found)
+            seen += read.seen
+            notes += read.notes
+    if not any(one.exposure > 0 or one.failures for one in seen):
+        raise DataError("nothing was seen: no failure and no exposure; expected a log or a robot that has worked")
+    return Learned(found, tuple(learned_rates(found, seen, prior, of)), tuple(unstated(found, seen)), tuple(notes))
+
+
+def is_store(log: Path) -> bool:
+    """Whether a path is that of a store, or its kind and where it is."""
+    return log.suffix.lower() in STORES or place_of(log) != str(log)

@@ -1,0 +1,126 @@
+"""The command line for people: groups of commands, one name for one thing, shells, standard input, extras."""
+
+import json
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+import typer
+
+from robophm.cli.app import COMMANDS, FORMER, GROUPS, app
+from robophm.cli.doctor import EXTRAS
+from robophm.cli.shared.options import operating_time
+from robophm.core.errors import RobophmError
+
+ROOT = Path(__file__).parents[2]
+DEVELOPERS = {"dev", "bench", "peers"}
+
+
+def options():
+    """Every option of every command: (command, option)."""
+    root = typer.main.get_command(app)
+    for name in COMMANDS:
+        group = root.get_command(None, name)
+        inner = [group.get_command(None, one) for one in group.list_commands(None)] if hasattr(group, "lines") else []
+        for command in inner or [group]:
+            for parameter in getattr(command, "params", ()):
+                yield from ((name, option) for option in parameter.opts)
+
+
+def test_each_command_is_in_one_group():
+    listed = [name for names in GROUPS.values() for name in names]
+    assert sorted(listed) == sorted(COMMANDS)
+
+
+def test_the_help_lists_the_groups_with_each_command_in_full(inside, monkeypatch):
+    said = inside("--help").stdout
+    for title, names in GROUPS.items():
+        part = said.partition(f"{title}:\n")[2].partition("\n\n")[0]
+        assert re.findall(r"^  ([a-z][\w-]*)", part, re.MULTILINE) == list(names)
+    assert "..." not in said.partition("\n")[2]
+    for line in COMMANDS.values():
+        assert line in " ".join(said.split())
+
+
+def test_one_thing_has_one_name():
+    known = set(options())
+    names = {option for _, option in known}
+    assert not names & {"--output", "--out", "--after", "--time"}
+    assert {name for name, option in known if option == "--hours"} == {"new"}  # hours a day, which is another thing
+    for (command, old), new in FORMER.items():
+        assert (command, new) in known
+        assert (command, old) not in known or old == new
+
+
+def test_a_former_name_is_taken_and_said(inside, design):
+    now, then = inside("show", "robot.yaml", "--at", "50"), inside("show", "robot.yaml", "--hours=50")
+    assert (then.returncode, then.stdout) == (now.returncode, now.stdout) == (0, now.stdout)
+    assert (now.stderr, then.stderr) == ("", "note: --hours of show is called --at now\n")
+
+
+@pytest.mark.parametrize(("text", "hours"), [("50", 50), (50.0, 50), ("50 h", 50), ("2 week", 336), ("1e3", 1000),
+                                             ("90 min", 1.5), ("0", 0)])  # fmt: skip
+def test_times_of_operation_are_hours_or_have_a_unit(text, hours):
+    assert operating_time("--at", text) == hours
+
+
+@pytest.mark.parametrize("text", ["", "-1", "nan", "inf", "1e10", "many", "5 km", "1 h h"])
+def test_what_is_no_time_is_refused_with_the_options_name(text):
+    with pytest.raises(RobophmError, match=r"^--within"):
+        operating_time("--within", text)
+    with pytest.raises(RobophmError, match="above 0"):
+        operating_time("--within", "0", above=True)
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [("im", {"import-bom", "import-legacy", "importance"}), ("show robot.yaml --a", {"--at"}),
+     ("predict robot.yaml --future ", {"recent", "last", "nominal"}), ("data ", {"list", "find", "export"})],
+)  # fmt: skip
+def test_a_real_bash_completes(tmp_path, words, found):
+    """By the script that the command prints, with robophm as a function of that shell."""
+    program, script = tmp_path / "robophm", tmp_path / "complete.sh"
+    program.write_text(f'#!/bin/bash\nexec "{sys.executable}" -m robophm "$@"\n')
+    program.chmod(0o755)
+    typed = [repr(word) for word in ["robophm", *words.split(" ")]]
+    script.write_text(
+        f"export SHELL=/bin/bash\nsource <(./robophm --show-completion bash)\nCOMP_WORDS=({' '.join(typed)})\n"
+        f'COMP_CWORD={len(typed) - 1}\n_robophm_completion ./robophm\nprintf "%s\\n" "${{COMPREPLY[@]}}"\n'
+    )
+    done = subprocess.run(["bash", script], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert found <= set(done.stdout.split())
+
+
+def test_standard_input_is_read_where_a_file_is(run, design):
+    text = design.read_text()
+    command = [sys.executable, "-m", "robophm"]
+    for words in (["check", "-"], ["show", "-", "--json"], ["predict", "-", "--draws", "0", "--json"]):
+        given = subprocess.run([*command, *words], input=text, capture_output=True, text=True, cwd=design.parent)
+        named = [*command, words[0], "robot.yaml", *words[2:]]
+        read = subprocess.run(named, capture_output=True, text=True, cwd=design.parent)
+        assert (given.returncode, given.stderr) == (read.returncode, read.stderr)
+        assert given.stdout.replace("-: ", "robot.yaml: ") == read.stdout
+    wrong = subprocess.run([*command, "check", "-"], input="name: 3\n", capture_output=True, text=True)
+    assert (wrong.returncode, wrong.stdout) == (3, "")
+    assert wrong.stderr.startswith("error: -:1: schema_version: None")
+    written = subprocess.run([*command, "bind", "-", "drive.mcap", "--yes"], input=text, capture_output=True, text=True,
+                             cwd=design.parent)  # fmt: skip
+    assert written.returncode == 3
+    assert "-: is standard input, which is read" in written.stderr
+    assert list(design.parent.iterdir()) == [design]
+
+
+def test_doctor_tells_of_the_extras_of_this_project(inside):
+    stated = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
+    assert set(EXTRAS) == set(stated) - DEVELOPERS
+    for name, (_, packages) in EXTRAS.items():
+        assert [re.match(r"[\w-]+", one)[0] for one in stated[name]] == list(packages)
+    said = inside("doctor").stdout
+    told = json.loads(inside("doctor", "--json").stdout)["extras"]
+    for name, one in told.items():
+        line = next(line for line in said.splitlines() if line.startswith(f"extra {name} "))
+        assert ("not installed" in line) == bool(one["missing"])
+        assert not one["missing"] or f"pip install 'robophm[{name}]'" in line
