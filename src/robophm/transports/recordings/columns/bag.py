@@ -308,9 +308,9 @@ class BagFile(ChunkedFile):
                     self.lost("a damaged chunk", position)
             elif record.operation == CONNECTION:
                 repeated.append(record)
-            position = record.end
+            begun, position = position, record.end
             if record.operation == HEADER:  # the length of the space behind it may lie
-                within = (place for place in known if place < record.end and self.chunk_lies_at(place))
+                within = (place for place in known if begun < place < record.end and self.chunk_lies_at(place))
                 position = next(within, record.end)
         if self.chunks:  # of its index maybe not all is there
             self.chunks[-1] = self.chunks[-1]._replace(indices=None)
