@@ -18,7 +18,7 @@ PACKED = ".zstd"
 METADATA = "metadata.yaml"
 """Name of the file that makes a folder a rosbag2 folder."""
 
-_EDGE = 4 * 1024
+_EDGE = 64 * 1024
 """Bytes at the beginning, in the middle and at the end by which a file is told from others of its size."""
 
 
@@ -98,7 +98,7 @@ def log_of(path: Path) -> Path | None:
 
 
 def fingerprint_of(path: Path) -> str:
-    """Digest of the size and the first, middle and last 4 KiB of each file of messages, names left out.
+    """Digest of the size and the first, middle and last 64 KiB of each file of messages, names left out.
 
     What an SQLite file's recorder has left beside it belongs to it.
     """
