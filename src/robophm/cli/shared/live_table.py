@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import time
 from collections import deque
+from collections.abc import Mapping
 
-from rich.console import Group, RenderableType
+from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
+from rich.measure import Measurement
 from rich.text import Text
 
-from robophm.cli.shared.output import health_table, mark_lines
+from robophm.cli.shared.output import COURSE, health_table, mark_lines
 from robophm.health.report import HealthReport
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.wear_watch import GROWTH, WearWatch
@@ -20,6 +22,30 @@ REDRAW = 0.25
 
 MOST_MARKED = 8
 """Lines under the table that say what its stars mean: it must fit the screen; the report at the end has all."""
+
+
+LEFT_OUT: tuple[tuple[str, ...], ...] = (
+    (),
+    (COURSE,),
+    (COURSE, "R nominal"),
+    (COURSE, "R nominal", "λ nominal"),
+    (COURSE, "R nominal", "λ nominal", "R sensor"),
+)
+"""Columns to do without, where the terminal is too narrow for more: names and figures are never broken."""
+
+
+class _Fitting:
+    """The health table with as many columns as the terminal is wide enough for."""
+
+    def __init__(self, report: HealthReport, course: Mapping[str, str]) -> None:
+        self._report, self._course = report, course
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        for without in LEFT_OUT:
+            table = health_table(self._report, "1/h", course=self._course, without=without)
+            if Measurement.get(console, options.update_width(1000), table).maximum <= options.max_width:
+                break
+        yield table
 
 
 class LiveTable:
@@ -49,7 +75,7 @@ class LiveTable:
         for one in report.subjects:
             if "/" not in one.path:
                 self.course.setdefault(one.path, deque(maxlen=24)).append(one.sensor_based.hazard_rate)
-        table = health_table(report, "1/h", course={path: sparkline(list(c), 24) for path, c in self.course.items()})
+        table = _Fitting(report, {path: sparkline(list(c), 24) for path, c in self.course.items()})
         worn = [line for line, _ in wear_lines(report.wear, report.outlooks["sensor_based"].plant)]
         lines = [f"{report.clocks['operating']:.1f} h of operation", *mark_lines(report)[:MOST_MARKED]]
         return Group(table, Text("\n".join([*lines, *worn[:MOST_MARKED]])))

@@ -6,7 +6,7 @@ import json
 import math
 import os
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -109,9 +109,18 @@ def print_table(out: Console, table: Table) -> None:
     out.print(table, crop=False)
 
 
-def health_table(report: HealthReport, unit: str, *, course: Mapping[str, str] | None = None) -> Table:
-    """Return the figures of a report, both views side by side; of ``course``'s subjects alone, with it."""
-    columns = ["", "λ nominal", "λ sensor", "R nominal", "R sensor", "RUL median", "PoTC"]
+COURSE = "λ sensor, recent"
+"""Head of the column that shows the recent course of the hazard rate."""
+
+
+def health_table(
+    report: HealthReport, unit: str, *, course: Mapping[str, str] | None = None, without: Collection[str] = ()
+) -> Table:
+    """Return the figures of a report, both views side by side, ``without`` some columns by their heads.
+
+    Of ``course``'s subjects alone, with it.
+    """
+    columns = ["", "λ nominal", "λ sensor", "R nominal", "R sensor", "RUL median", "PoTC", COURSE]
     rows = []
     for one in report.subjects:
         if course is not None and one.path not in course:
@@ -127,11 +136,12 @@ def health_table(report: HealthReport, unit: str, *, course: Mapping[str, str] |
             works + percent_text(one.sensor_based.reliability, one.sensor_based.unreliability),
             marked(ahead, duration_text(life.median)) if life else "–",
             ahead + percent_text(task.probability, task.failure) if task else "–",
-            *([course[one.path]] if course is not None else []),
+            course[one.path] if course is not None else "",
         ])  # fmt: skip
-    title = f"Health of {report.robot}"
-    figures = range(1, len(columns))
-    return table(title, [*columns, *(["λ sensor, recent"] if course is not None else [])], rows, figures=figures)
+    kept = [i for i, head in enumerate(columns) if head not in without and (head != COURSE or course is not None)]
+    chosen = [[row[i] for i in kept] for row in rows]
+    figures = [n for n, i in enumerate(kept) if i and columns[i] != COURSE]
+    return table(f"Health of {report.robot}", [columns[i] for i in kept], chosen, figures=figures)
 
 
 def mark_lines(report: HealthReport) -> list[str]:
