@@ -12,6 +12,7 @@ import numpy as np
 from robophm.core.errors import StoreError
 from robophm.core.signal import HOUR, SECOND, Sample
 from robophm.design.robot import Robot
+from robophm.health.ledger_parts import TOTALS, brought_to
 from robophm.health.wear_readings import WearCourse
 from robophm.health.window import Array, Window
 
@@ -172,6 +173,10 @@ class Ledger:
     """Every replacement and repair, in order of time: what was there before stays known."""
     wear: dict[str, WearCourse] = field(default_factory=dict)
     """Readings of wear of each mode, by its key, since its part was put in or repaired."""
+    begun: dict[str, int] = field(default_factory=dict)
+    """Time since which a mode, by its key, is counted, of those that came into the design later."""
+    archived: dict[str, Any] = field(default_factory=dict)
+    """What modes had behind them, by their keys as in JSON, that are in the design no more."""
 
     @classmethod
     def new(cls, robot: Robot) -> Ledger:
@@ -207,6 +212,8 @@ class Ledger:
             "replaced",
             "seen",
             "services",
+            "begun",
+            "archived",
         )
         wear = {key: course.copy() for key, course in self.wear.items()}
         return replace(self, **totals, **{name: getattr(self, name).copy() for name in kept}, wear=wear)
@@ -272,6 +279,7 @@ class Ledger:
             "seen": {key: list(seen) for key, seen in self.seen.items()},
             "services": [list(service) for service in self.services],
             **({"wear": {key: one.to_json() for key, one in self.wear.items()}} if self.wear else {}),
+            **{name: found for name in ("begun", "archived") if (found := getattr(self, name))},
         }
 
     @classmethod
@@ -281,24 +289,19 @@ class Ledger:
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any], modes: tuple[str, ...], odometers: tuple[str, ...]) -> Ledger:
-        """Read back a ledger; an odometer that it does not have begins at zero.
+        """Read back a ledger; an odometer that it does not have begins at zero, and so does a failure mode.
 
-        Raises StoreError where it was kept for other failure modes or another version.
+        Raises StoreError where it was kept for another version, or for modes of which some are gone and others new.
         """
         if data.get("version") != _VERSION:
             raise StoreError(f"ledger version {data.get('version')}; expected {_VERSION}")
+        data = brought_to(data, modes)
         kept = tuple(data["modes"])
-        if set(kept) != set(modes):
-            other = sorted(set(kept) ^ set(modes))
-            raise StoreError(
-                f"ledger was kept for other parts: '{other[0]}' is in {'it' if other[0] in kept else 'the design'} "
-                f"alone ({len(other)} in all); expected the design that it was kept for, or another store"
-            )
         order = [kept.index(mode) for mode in modes]
         totals = {
             name: Total(*(np.array(part, dtype=float) for part in parts)) for name, parts in data["totals"].items()
         }
-        for name in ("age", "effective", "hazard"):
+        for name in TOTALS:
             totals[name] = Total(totals[name].high[order], totals[name].low[order])
         clocks, counted = Total.zeros(2 + len(odometers)), totals["clocks"]
         names = ["operating", "calendar", *data["odometers"]]
@@ -330,6 +333,8 @@ class Ledger:
                 for time, mode, kind, failed, before, after in data.get("services", ())
             ],
             wear={key: WearCourse.from_json(one) for key, one in data.get("wear", {}).items()},
+            begun=dict(data.get("begun", {})),
+            archived=dict(data.get("archived", {})),
         )
 
 

@@ -32,11 +32,12 @@ from robophm.health.subject import (
     figures_now,
     looking_ahead,
     silence,
+    some,
     systems,
 )
 from robophm.health.uncertainty import SCENARIOS, LifeUncertainty, draw_loads, life_uncertainty
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
-from robophm.health.worn import SeenWear, wear_flags
+from robophm.health.worn import SeenWear, moment, wear_flags
 
 
 def health_report(
@@ -122,7 +123,7 @@ def health_now(
             for marks in (_marks(component.modes, ledger, silent, wear),)
         ),
         task or robot.task,
-        rejected_samples(ledger),
+        (*rejected_samples(ledger), *_counted_since(ledger)),
         views,
         wear=tuple(wear),
     )
@@ -170,6 +171,16 @@ def with_earlier_look(now: HealthReport, earlier: HealthReport) -> HealthReport:
     if "failures_to_come" in vars(earlier):
         vars(found)["failures_to_come"] = earlier.failures_to_come
     return found
+
+
+def _counted_since(ledger: Ledger) -> list[str]:
+    """What is said of parts that came into the design when the robot had lived already."""
+    came: dict[int, list[str]] = {}
+    for key, time in ledger.begun.items():
+        came.setdefault(time, []).append(key.partition(" (")[0])
+    return [
+        f"{some(paths)}: counted since {moment(time)}, not in the design before" for time, paths in sorted(came.items())
+    ]
 
 
 class _Marks(NamedTuple):

@@ -133,11 +133,12 @@ def silence(last: Mapping[str, int | None]) -> str:
     since: dict[str, list[str]] = {}
     for signal, time in sorted(last.items(), key=lambda item: (item[1] or 0, item[0])):
         since.setdefault("the beginning" if time is None else moment(time), []).append(signal)
-    times = [f"since {when} of {_some(signals)}" for when, signals in since.items()]
-    return f"rests on silence {_some(times)}" if times else ""
+    times = [f"since {when} of {some(signals)}" for when, signals in since.items()]
+    return f"rests on silence {some(times)}" if times else ""
 
 
-def _some(words: Sequence[str]) -> str:
+def some(words: Sequence[str]) -> str:
+    """Return the first MOST_NAMED of some words in a row, and how many more there are."""
     more = f" and {len(words) - MOST_NAMED} more" if len(words) > MOST_NAMED else ""
     return ", ".join(words[:MOST_NAMED]) + more
 
