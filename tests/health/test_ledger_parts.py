@@ -8,9 +8,11 @@ from typing import Any
 
 import pytest
 
+from robophm.core.errors import StoreError
 from robophm.core.signal import HOUR, Sample
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
+from robophm.health.ledger_parts import brought_to
 from robophm.monitoring.monitor import Monitor
 
 from .exposures import ALWAYS_ON, LEDGER, Q10, START, monitor, robot, settled
@@ -69,6 +71,16 @@ def settled_on(of: Robot, ledger: Ledger, samples: list[Sample]) -> Ledger:
     return after.exposure.settled(after.ledger)
 
 
+def test_what_has_lived_already_gets_no_new_way_to_fail_at_age_zero() -> None:
+    """Nor is a part that may have got another name taken for a new one."""
+    kept = settled(design(BOTH), hours(0, 10)).to_json()
+    one = {"modes": ["motor (operating, age scaling)"]}
+    with pytest.raises(StoreError, match="by which what has lived already can fail too"):
+        brought_to({**kept, **one}, {"motor": [*one["modes"], "motor/wear (operating, age scaling)"]})
+    with pytest.raises(StoreError, match="under another name is not known"):
+        Ledger.of(design({"motor": MOTOR, "blower": {"rate": "2e-4 /h"}}), kept)
+
+
 def test_in_a_ledger_of_parts_that_never_changed_nothing_is_new() -> None:
     assert not {"begun", "archived"} & LEDGER.keys()
 
@@ -86,17 +98,23 @@ def test_whatever_comes_and_goes_what_stays_is_the_same_bit_for_bit(seed: int) -
         else:
             chosen = [*there, *(key for key in [*modes, *extra] if key not in there and rng.random() < 0.5)]
         rng.shuffle(chosen)
-        now = json.loads(json.dumps(Ledger.from_json(now, tuple(chosen), ()).to_json()))
+        now = through_a_file(now, chosen)
         assert {key: sums(now)[key] for key in chosen if key in modes} == {
             key: truth[key] for key in chosen if key in modes
         }
         assert all(set(sums(now)[key]) == {0.0} for key in chosen if key in extra)
         assert set(now.get("begun", {})) <= set(extra)
         assert now["services"] == LEDGER["services"]
-    back = json.loads(json.dumps(Ledger.from_json(now, tuple({*now["modes"], *modes}), ()).to_json()))
+    back = through_a_file(now, [*{*now["modes"], *modes}])
     for name in ("replaced", "seen"):
         assert back[name] == LEDGER[name]
     assert {key: sums(back)[key] for key in modes} == truth
+
+
+def through_a_file(data: Any, chosen: list[str]) -> Any:
+    """A ledger kept, and read back for a design of parts with these modes, each of a part of its own."""
+    found = Ledger.from_json(brought_to(data, {key: [key] for key in chosen}), tuple(chosen), ())
+    return json.loads(json.dumps(found.to_json()))
 
 
 def sums(data: Any) -> dict[str, tuple[float, ...]]:

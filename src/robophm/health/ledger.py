@@ -176,7 +176,7 @@ class Ledger:
     begun: dict[str, int] = field(default_factory=dict)
     """Time since which a mode, by its key, is counted, of those that came into the design later."""
     archived: dict[str, Any] = field(default_factory=dict)
-    """What modes had behind them, by their keys as in JSON, that are in the design no more."""
+    """The past of modes, by their keys and as JSON has it, that are in the design no more."""
 
     @classmethod
     def new(cls, robot: Robot) -> Ledger:
@@ -284,19 +284,26 @@ class Ledger:
 
     @classmethod
     def of(cls, robot: Robot, data: Mapping[str, Any]) -> Ledger:
-        """Read back the ledger of a robot. Raises StoreError as ``from_json``."""
+        """Read back the ledger of a robot, to which parts may have come since, or of which some may be gone.
+
+        Raises StoreError as ``from_json`` and ``brought_to``.
+        """
+        parts = {part.path: [mode.key for mode in part.modes] for part in robot.all_components()}
+        data = brought_to(data, parts, {cause.path for cause in robot.causes})
         return cls.from_json(data, tuple(mode.key for mode in robot.modes), tuple(robot.clocks))
 
     @classmethod
     def from_json(cls, data: Mapping[str, Any], modes: tuple[str, ...], odometers: tuple[str, ...]) -> Ledger:
-        """Read back a ledger; an odometer that it does not have begins at zero, and so does a failure mode.
+        """Read back a ledger; an odometer that it does not have begins at zero.
 
-        Raises StoreError where it was kept for another version, or for modes of which some are gone and others new.
+        Raises StoreError where it was kept for other failure modes or another version.
         """
         if data.get("version") != _VERSION:
             raise StoreError(f"ledger version {data.get('version')}; expected {_VERSION}")
-        data = brought_to(data, modes)
         kept = tuple(data["modes"])
+        if set(kept) != set(modes):
+            other = sorted(set(kept) ^ set(modes))
+            raise StoreError(f"ledger was kept for other parts: '{other[0]}' is in it or in the design alone")
         order = [kept.index(mode) for mode in modes]
         totals = {
             name: Total(*(np.array(part, dtype=float) for part in parts)) for name, parts in data["totals"].items()

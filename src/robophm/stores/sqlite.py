@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sqlite3
+import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
@@ -15,6 +16,9 @@ from robophm.stores.store import Progress, Store
 
 VERSION = 2
 """Version of the tables; kept in the file's user_version."""
+
+LONGEST_WAIT = 10.0
+"""The most seconds to wait for others who make the same store."""
 
 _TABLES = (
     "CREATE TABLE ledger (robot TEXT PRIMARY KEY, revision INTEGER NOT NULL, state TEXT NOT NULL) STRICT",
@@ -47,22 +51,35 @@ class SqliteStore(Store):
 
     def _open(self) -> None:
         self._base.execute("PRAGMA busy_timeout = 10000")
-        if self._is_empty():
-            self._base.execute("PRAGMA journal_mode = WAL")
-            self._base.execute("BEGIN IMMEDIATE")
+        until = time.monotonic() + LONGEST_WAIT
+        while True:
             try:
-                if self._is_empty():  # nobody else has made the tables meanwhile
-                    for table in _TABLES:
-                        self._base.execute(table)
-                    self._base.execute(f"PRAGMA user_version = {VERSION}")
-                self._base.execute("COMMIT")
-            except BaseException:
-                self._base.execute("ROLLBACK")
-                raise
+                self._make()
+                break
+            except sqlite3.OperationalError as error:  # SQLite does not wait for others who turn to WAL mode
+                if "locked" not in str(error) or time.monotonic() > until:
+                    raise
+                time.sleep(0.01)
         version = self._base.execute("PRAGMA user_version").fetchone()[0]
         if version != VERSION:
             raise StoreError(f"{self.path}: not a robophm store of version {VERSION} (its version is {version})")
         self._base.execute("PRAGMA synchronous = FULL")
+
+    def _make(self) -> None:
+        """Make the tables, unless they are there or somebody else makes them."""
+        if not self._is_empty():
+            return
+        self._base.execute("PRAGMA journal_mode = WAL")
+        self._base.execute("BEGIN IMMEDIATE")
+        try:
+            if self._is_empty():  # nobody else has made them meanwhile
+                for table in _TABLES:
+                    self._base.execute(table)
+                self._base.execute(f"PRAGMA user_version = {VERSION}")
+            self._base.execute("COMMIT")
+        except BaseException:
+            self._base.execute("ROLLBACK")
+            raise
 
     def _is_empty(self) -> bool:
         version = self._base.execute("PRAGMA user_version").fetchone()[0]
