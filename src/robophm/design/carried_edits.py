@@ -27,23 +27,21 @@ def changes(before: Any, after: Any, path: Path = ()) -> Iterator[Change]:
     if isinstance(before, MutableMapping) and isinstance(after, MutableMapping):
         for key in [*before, *(key for key in after if key not in before)]:
             yield from changes(before.get(key, ABSENT), after.get(key, ABSENT), (*path, key))
-    elif before is ABSENT or after is ABSENT or before != after:
+    elif before != after:
         yield Change(path, before, after)
 
 
 def carry(document: Any, before: Any, after: Any) -> None:
-    """Change a document as ``before`` was changed into ``after``.
+    """Change a document as ``before`` was changed into ``after``, all three being mappings.
 
     Raises LocatedError, with the document unchanged, where a place of the edit has been changed by another one since.
     """
     found = list(changes(before, after))
     for change in found:
-        if not _same(_at(document, change.path), change.before):
+        if _at(document, change.path) != change.before:
             raise LocatedError(change.path, "has been changed since by another edit; expected to find it as it was")
     for change in found:
-        *around, key = change.path or (None,)
-        if key is None:
-            raise LocatedError((), "the whole design was replaced")
+        *around, key = change.path
         level = document
         for step in around:
             level = level.setdefault(step, type(document)())
@@ -59,7 +57,3 @@ def _at(document: Any, path: Path) -> Any:
             return ABSENT
         document = document[key]
     return document
-
-
-def _same(one: Any, other: Any) -> bool:
-    return one is other if one is ABSENT or other is ABSENT else bool(one == other)

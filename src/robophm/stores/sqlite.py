@@ -18,7 +18,7 @@ VERSION = 2
 """Version of the tables; kept in the file's user_version."""
 
 LONGEST_WAIT = 10.0
-"""The most seconds to wait for others who make the same store."""
+"""The most seconds to wait for others who write to the same store, or make it."""
 
 _TABLES = (
     "CREATE TABLE ledger (robot TEXT PRIMARY KEY, revision INTEGER NOT NULL, state TEXT NOT NULL) STRICT",
@@ -41,7 +41,7 @@ class SqliteStore(Store):
         self.path = Path(where)
         self._revisions: dict[str, int] = {}  # of the ledgers that were read: who saves later must have read that one
         with self._errors():
-            self._base = sqlite3.connect(self.path, timeout=10.0, isolation_level=None)
+            self._base = sqlite3.connect(self.path, timeout=LONGEST_WAIT, isolation_level=None)
         try:
             with self._errors():
                 self._open()
@@ -50,7 +50,6 @@ class SqliteStore(Store):
             raise
 
     def _open(self) -> None:
-        self._base.execute("PRAGMA busy_timeout = 10000")
         until = time.monotonic() + LONGEST_WAIT
         while True:
             try:

@@ -5,18 +5,21 @@ from __future__ import annotations
 import math
 import threading
 from collections import OrderedDict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from functools import cached_property
 from typing import Literal
 
 from robophm.blocks.single_points import single_points_of_failure
 from robophm.design.robot import Module, Robot
+from robophm.health.exposure import ExposureIntegrator
+from robophm.health.ledger import Ledger
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 from robophm.health.when_new import hazard_rates
+from robophm.health.worn import SeenWear
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.web.shapes import LevelFigures, UnknownRates
 
@@ -31,6 +34,10 @@ class PreparedRobot:
         self.plant = Plant(robot)
         self.wear = WearWatch(robot)
         """Forecasts of its wear."""
+
+    def seen_wear(self, exposure: ExposureIntegrator, ledger: Ledger) -> Sequence[SeenWear]:
+        """Return what sensors have seen of the robot's wear by now, as the ledger tells."""
+        return self.wear.renewed(exposure.settled(ledger))
 
     @cached_property
     def new(self) -> Outlook:

@@ -16,6 +16,8 @@ from robophm.core.errors import DesignError, RobophmError
 from robophm.design.problems import Problem as Found
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
+from robophm.health.outlooks import View, outlooks
+from robophm.health.prognosis import Outlook
 from robophm.stores import Address
 from robophm.web.jobs import Jobs
 from robophm.web.monitoring import Monitoring
@@ -104,6 +106,11 @@ class Service:
     def past(self, prepared: PreparedRobot) -> tuple[ExposureIntegrator, Ledger]:
         """Return the robot's ledger as far as is known. Raises StoreError."""
         return ExposureIntegrator(prepared.robot), self.monitoring.last_ledger(prepared.robot)
+
+    def outlooks(self, prepared: PreparedRobot) -> Mapping[View, Outlook]:
+        """Return both views of the robot with its past as far as is known. Raises StoreError."""
+        exposure, ledger = self.past(prepared)
+        return outlooks(prepared.plant, exposure, ledger, wear=prepared.seen_wear(exposure, ledger))
 
     def design_state(self, draft: Draft | None = None) -> DesignState:
         """Return the design now, with all that is to be said of it."""

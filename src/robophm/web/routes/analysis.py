@@ -13,7 +13,6 @@ from robophm.core.errors import DesignError, nearest
 from robophm.health.curve_span import curve_span
 from robophm.health.fault_tree import fault_tree
 from robophm.health.importance import LIFELONG, LONGEST, Drawn, importances, usual_hours
-from robophm.health.outlooks import outlooks
 from robophm.health.prognosis import Outlook
 from robophm.health.report import VIEWS, plain
 from robophm.health.unknown_rates import unknown
@@ -145,8 +144,7 @@ def curves(
 ) -> Curves:
     """Return survival, hazard and density ahead in both views."""
     diagram = _system(prepared, path)
-    exposure, ledger = service.past(prepared)
-    views = outlooks(prepared.plant, exposure, ledger, wear=prepared.wear.renewed(exposure.settled(ledger)))
+    views = service.outlooks(prepared)
     lives = {view: views[view].remaining_life(diagram) for view in VIEWS}
     if horizon is None:
         horizon = curve_span(lives.values(), prepared.robot.usage.operating)
@@ -223,10 +221,7 @@ def get_importance(
 ) -> ImportanceList:
     """The importance of parts, sensor-based, given what is known now."""
     prepared = service.prepared()
-    exposure, ledger = service.past(prepared)
-    lived = outlooks(prepared.plant, exposure, ledger, wear=prepared.wear.renewed(exposure.settled(ledger)))[
-        "sensor_based"
-    ]
+    lived = service.outlooks(prepared)["sensor_based"]
     diagram = _system(prepared, path)
     drawn = Drawn(prepared.plant, diagram)
     ahead = hours or usual_hours(lived, lived.remaining_life(diagram).median)
@@ -248,8 +243,7 @@ def get_cut_sets(service: Served, most: Annotated[int, Query(ge=1, le=1000)] = 2
         raise DesignError(
             f"{len(prepared.plant.units):,} parts; expected at most {MOST_PARTS:,}: `robophm cutsets` has the time"
         )
-    exposure, ledger = service.past(prepared)
-    views = outlooks(prepared.plant, exposure, ledger, wear=prepared.wear.renewed(exposure.settled(ledger)))
+    views = service.outlooks(prepared)
     system = fault_tree(views["sensor_based"], limit=STEPS)
     listed = system.cut_sets(most)
     found = [CutSet(parts=list(one.names), probability=finite(one.probability)) for one in listed.sets]

@@ -155,7 +155,7 @@ def get_health(
         )
     prepared = service.prepared()
     exposure, ledger = service.past(prepared)
-    report = health_report(prepared.plant, exposure, ledger, wear=prepared.wear.renewed(exposure.settled(ledger)))
+    report = health_report(prepared.plant, exposure, ledger, wear=prepared.seen_wear(exposure, ledger))
     sensors = freshness(prepared.robot, service)
     return health_of(report, report, run, why=explain(report), design_changed=changed, sensors=sensors, horizon=horizon)
 

@@ -218,7 +218,7 @@ def predict(asked: Asked, service: Served) -> Answer:
     exposure, ledger = service.past(prepared)
     plan = _plan(asked, prepared.robot)
     found = task_report(prepared.plant, exposure, ledger, plan, future=asked.future, draws=0,
-                        wear=prepared.wear.renewed(exposure.settled(ledger)))  # fmt: skip
+                        wear=prepared.seen_wear(exposure, ledger))  # fmt: skip
     return Answer(
         tasks=[
             TaskAnswer(
@@ -335,7 +335,7 @@ def prognosis(asked: PrognosisAsked, service: Served) -> JobState:
         raise DesignError("the tasks have no legs")
     future: FutureName = asked.future
     threshold = asked.threshold or prepared.robot.thresholds.completion
-    wear = prepared.wear.renewed(exposure.settled(ledger))
+    wear = prepared.seen_wear(exposure, ledger)
     views = outlooks(prepared.plant, exposure, ledger, future=future, knowledge=plan.knowledge, wear=wear)
 
     left_out = unknown_in(views["sensor_based"], plan.joined)
