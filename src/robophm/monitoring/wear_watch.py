@@ -82,7 +82,7 @@ class WearWatch:
     def _renew(self, ledger: Ledger) -> None:
         try:
             self.renewed(ledger, pause=lambda: time.sleep(0.01))
-        except Exception as error:
+        except Exception as error:  # raised again by whoever asks: it must not end in a thread that nobody watches
             self._fault = error
 
     def close(self) -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import bz2
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
@@ -29,12 +30,8 @@ def unpack(content: Bytes, compression: str, size: int) -> Bytes:
     elif size > LARGEST_CHUNK:
         raise DamageError(f"a chunk of {size} bytes")
     else:
-        try:
+        with _unpacking():
             unpacked = np.frombuffer(_decompressor(compression)(content.data, size), np.uint8)
-        except (DamageError, MemoryError):
-            raise
-        except Exception as error:  # zstd, lz4 and bz2 have errors of their own
-            raise DamageError(f"chunk does not unpack: {error}") from error
     if len(unpacked) != size:
         raise DamageError(f"chunk unpacks to {len(unpacked)} bytes; expected {size}")
     return unpacked  # type: ignore[no-any-return]
@@ -49,19 +46,15 @@ def unpack_begun(content: Bytes, compression: str, size: int) -> Bytes:
         return content
     if size > LARGEST_CHUNK:
         raise DamageError(f"a chunk of {size} bytes")
-    try:
+    with _unpacking():
         unpacker = partial(unpack_zstd, begun=True) if compression == "zstd" else _decompressor(compression)
         found = unpacker(content.data, size)
-    except (DamageError, MemoryError):
-        raise
-    except Exception as error:
-        raise DamageError(f"chunk does not unpack: {error}") from error
     return np.frombuffer(found, np.uint8)
 
 
 def unpack_some(content: Bytes, compression: str, size: int) -> Bytes:
     """The first ``size`` bytes of a chunk's content, as far as there are so many. Raises DamageError."""
-    try:
+    with _unpacking():
         if compression == "zstd":
             import zstandard
 
@@ -73,11 +66,18 @@ def unpack_some(content: Bytes, compression: str, size: int) -> Bytes:
             found = LZ4FrameDecompressor().decompress(content.data, size)
         else:
             found = bz2.BZ2Decompressor().decompress(content.data, size)
-    except MemoryError:
-        raise
-    except Exception as error:
-        raise DamageError(f"chunk does not unpack: {error}") from error
     return np.frombuffer(found, np.uint8)
+
+
+@contextmanager
+def _unpacking() -> Iterator[None]:
+    """Turn what goes wrong when a chunk is unpacked into a DamageError."""
+    try:
+        yield
+    except (DamageError, MemoryError):
+        raise
+    except Exception as error:  # zstd, lz4 and bz2 have errors of their own
+        raise DamageError(f"chunk does not unpack: {error}") from error
 
 
 def _decompressor(compression: str) -> Callable[[Any, int], bytes]:
