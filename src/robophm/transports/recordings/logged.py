@@ -31,7 +31,7 @@ class LoggedTopic(NamedTuple):
     times: NDArray[np.int64]
     """When each was logged [ns]."""
     fields: Mapping[str, Callable[[], NDArray[Any]]]
-    """What gets the numbers of each field, ``cell_v[2]`` for an element, as many as there are times."""
+    """Functions that get the numbers of each field, ``cell_v[2]`` for an element, as many as there are times."""
 
 
 class LoggedRecording(SignalSource):
@@ -118,7 +118,7 @@ def mapped(path: Path) -> mmap.mmap:
 
 
 def utc_offset(utc: NDArray[np.int64], stamps: NDArray[np.int64]) -> int | None:
-    """What a log's stamps are behind UTC: the median over all fixes, since one may be wrong; None where there is none.
+    """The time that a log is behind UTC: the median over all fixes, since one may be wrong; None where there is none.
 
     Both are of the same unit.
     """

@@ -28,7 +28,7 @@ from robophm.transports.recordings.logged import DAMAGED, LoggedRecording, Logge
 
 _HEAD = b"\xa3\x95"
 _BEHIND = (_HEAD, b"\0\0", b"\xff\xff")
-"""What may come behind a message: another, or what a memory was filled up with."""
+"""Bytes that may come behind a message: another, or what a memory was filled up with."""
 
 _FMT = 128
 _FMT_LENGTH = 89
