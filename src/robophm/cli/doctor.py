@@ -22,6 +22,7 @@ EXTRAS = {
     "notebook": ("data frames and plots in Python", ("pandas", "matplotlib")),
     "parquet": ("tables in Parquet", ("pyarrow",)),
     "px4": ("logs of PX4", ("pyulog",)),
+    "mavlink": ("telemetry logs of ground stations", ("pymavlink",)),
     "pdf": ("reports as PDF", ("weasyprint",)),
     "progpy": ("battery and motor models of progpy: robophm wear", ("progpy",)),
     "sim": ("the live case study", ("mujoco",)),
