@@ -63,7 +63,8 @@ function Top({ openPalette, openHelp }: { openPalette: () => void; openHelp: () 
         {MONITORING[monitoring] ?? "Not watching"}
       </span>
       {health && health.state !== "idle" && (
-        <a className="health" href="#/overview" aria-label={`Health: ${health.state}`}>
+        <a className="health" href="#/overview">
+          <span className="hidden">Health: </span>
           <State of={health.state} limited={health.limits_set} title={health.why.join("\n") || undefined} />
         </a>
       )}

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from robophm.cli.shared.options import Design, GrowingStore
+from robophm.cli.shared.options import GrowingStore
 from robophm.cli.shared.output import console, may_write, warn
 from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.unused import refuse_unused
@@ -37,7 +37,9 @@ class Wishes:
 
 
 def command(
-    design: Design,
+    design: Annotated[
+        Path, typer.Argument(help="the robot's design file; one that is not there yet is drafted on the page")
+    ] = Path("robot.yaml"),
     host: Annotated[str, typer.Option(help="address to listen on; any but 127.0.0.1 needs --token")] = "127.0.0.1",
     port: Annotated[int, typer.Option(min=0, max=65535, help="0 is any that is free")] = 8707,
     token: Annotated[
@@ -61,7 +63,7 @@ def command(
 def run(design: Path, wishes: Wishes) -> None:
     """Serve the page until interrupted. Raises RobophmError."""
     if wishes.start is None:
-        used = ("host", "port", "token", "store", "journal", "recordings", "synthetic")
+        used = ("design", "host", "port", "token", "store", "journal", "recordings", "synthetic")
         refuse_unused("a page on which nothing is watched at once (--start)", used)
     from robophm.transports.recordings.files import recordings_in
 

@@ -14,6 +14,7 @@ from fastapi import Depends, Request
 
 from robophm.core.errors import DesignError, RobophmError
 from robophm.design.problems import Problem as Found
+from robophm.drafting.received import ReceivedFiles
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.outlooks import View, outlooks
@@ -59,7 +60,10 @@ class Service:
         self.workspace = Workspace(settings.design)
         self.monitoring = Monitoring(settings.store, settings.journal)
         self.jobs = Jobs()
-        self.sources: Mapping[str, Choice] = choices(settings.recordings, seed=settings.seed)
+        self.received = ReceivedFiles(settings.design.with_name(settings.design.name + ".files"), settings.recordings)
+        """The files that were handed in for a draft of the robot, in a folder beside its design."""
+        self.seed = settings.seed
+        """Seed of the synthetic robot, where it can be chosen."""
         self._shelf = PreparedRobots()
         self.changed_outside = False
         """Whether the file holds what somebody else has made of it, and taking it would lose edits or is impossible."""
@@ -80,6 +84,11 @@ class Service:
         while not self._ended.wait(FOLLOWED_EVERY):
             with suppress(RobophmError, sqlite3.Error):
                 self.changed_outside = self.workspace.follow_file()
+
+    @property
+    def sources(self) -> Mapping[str, Choice]:
+        """Return what the robot can be watched by, by name: recordings that were handed in among them."""
+        return choices(self.received.recordings, seed=self.seed)
 
     def prepared(self, state: int | None = None) -> PreparedRobot:
         """Return the robot of the design now, or of an earlier state. Raises DesignError where that is no design."""
