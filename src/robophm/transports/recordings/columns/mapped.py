@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import mmap
 from collections import Counter
+from functools import cached_property
 from pathlib import Path
 from threading import Lock
 
@@ -15,6 +16,7 @@ import numpy as np
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.field_extraction import Bytes
 from robophm.transports.recordings.columns.pieces import DamageError, PiecedFile
+from robophm.transports.recordings.files import fingerprint_of
 
 PAGE = mmap.PAGESIZE
 """Bytes that come from the disk at least."""
@@ -53,6 +55,11 @@ class MappedFile(PiecedFile):
         self.size = path.stat().st_size
         if not self.size:
             raise SourceError(f"{path}: is empty; expected a recording")
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """What the file is known by, whatever it is called."""
+        return fingerprint_of(self.source, self.content.data if self.size <= SMALL else None)
 
     @property
     def content(self) -> Bytes:

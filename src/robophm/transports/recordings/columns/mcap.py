@@ -13,6 +13,7 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import suppress
 from functools import partial
+from itertools import accumulate, pairwise
 from operator import attrgetter
 from pathlib import Path
 from typing import Any, Self
@@ -65,6 +66,8 @@ class _NotInSummaryError(DamageError):
 
 class McapFile(ChunkedFile):
     """An MCAP file of any profile, whole or cut. Raises SourceError where it is none."""
+
+    ENTRY = _INDEX
 
     def __init__(self, path: Path, notes: Counter[str]) -> None:
         super().__init__(path, notes)
@@ -150,22 +153,32 @@ class McapFile(ChunkedFile):
             for chunk in other.chunks
         ]
 
-    def index(self, offset: int, connection: int) -> NDArray[Any]:
-        """Return the message index record at this place."""
-        if not 0 <= offset <= self.size - 15:
-            raise DamageError("damage")
-        opcode, length, channel, size = _INDEX_HEAD(self.content.data, offset)
-        if opcode != MESSAGE_INDEX or channel != connection or size + 6 > length or size % 16:
-            raise DamageError("damage")
-        if size + 6 < length:  # a record may go on with what this version does not know
-            raise UnknownError("a record longer than is known")
-        return np.frombuffer(self.view(offset + 15, offset + 15 + size), _INDEX)
+    def entries(self, chunk: Chunk, wanted: Collection[int]) -> dict[int, memoryview]:
+        """Return the index of each of these connections that a chunk has, entry by entry."""
+        content, found = self.content.data, {}
+        for connection, offset in (chunk.indices or {}).items():
+            if connection not in wanted:
+                continue
+            if not 0 <= offset <= len(content) - 15:
+                raise DamageError("damage")
+            opcode, length, channel, size = _INDEX_HEAD(content, offset)
+            if opcode != MESSAGE_INDEX or channel != connection or size + 6 > length or size % 16:
+                raise DamageError("damage")
+            if size + 6 < length:  # a record may go on with what this version does not know
+                raise UnknownError("a record longer than is known")
+            found[connection] = entries = content[offset + 15 : offset + 15 + size]
+            if len(entries) < size:
+                raise DamageError("an index beyond the end")
+        return found
 
     def indexed_times(self, chunk: Chunk) -> dict[int, Ints]:
         """Return when the messages of a chunk were received, as its index says."""
         if chunk.indices is None:
             raise DamageError("no index")
-        return {id_: self.index(at, id_)["time"].astype(np.int64) for id_, at in chunk.indices.items()}
+        found = self.entries(chunk, chunk.indices)
+        times = np.frombuffer(b"".join(found.values()), _INDEX)["time"].astype(np.int64)
+        places = [0, *accumulate(len(entries) // _INDEX.itemsize for entries in found.values())]
+        return {id_: times[begin:end] for id_, (begin, end) in zip(found, pairwise(places), strict=True)}
 
     def counted(self, chunk: Chunk, wanted: Collection[int]) -> int:
         """How many messages of these connections are in a chunk: the records of its index lie side by side."""
