@@ -35,7 +35,6 @@ from robophm.transports.recordings.columns.pieces import (
     Messages,
 )
 
-
 MAGIC = b"#ROSBAG V2.0\n"
 MESSAGE, HEADER, INDEX, CHUNK, CONNECTION = 2, 3, 4, 5, 7
 
