@@ -31,7 +31,7 @@ def recognised(path: Path) -> Look:
     with reading(path):
         look = look_at(path)
         if not look:
-            raise SourceError(f"{path}: is no regular file")
+            raise SourceError(f"{existing(path)}: is no regular file")
         if look.kind:
             return look
     raise SourceError(f"{path}: not a recording; expected {', '.join(formats())} or a folder with {METADATA}")

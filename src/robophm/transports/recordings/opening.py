@@ -6,7 +6,7 @@ from pathlib import Path
 
 from robophm.core.argument_checks import path as given_path
 from robophm.core.errors import SourceError
-from robophm.transports.recordings.files import existing, recognised
+from robophm.transports.recordings.files import recognised
 from robophm.transports.recordings.format import SampleFormat
 from robophm.transports.signals.source import SignalSource
 
@@ -20,7 +20,7 @@ def open_source(*paths: str | Path) -> SignalSource:
     """
     if not paths:
         raise SourceError("no recordings; expected at least one")
-    given = [existing(Path(given_path(path, "recording", SourceError))) for path in paths]
+    given = [given_path(path, "recording", SourceError) for path in paths]
     for path in given:
         if path.is_dir():
             continue

@@ -17,7 +17,6 @@ from robophm.transports.recordings.columns.mapped import SMALL, MappedFile
 from robophm.transports.recordings.columns.pieces import MOST_TIME, PiecedFile
 from robophm.transports.recordings.files import (
     METADATA,
-    existing,
     log_of,
     parts_of,
     reading,
@@ -43,12 +42,13 @@ def opened(paths: Iterable[str | Path], notes: Counter[str], stack: ExitStack) -
     held: list[Held] = []
     stack.callback(_let_go, held)  # once for all: a callback for each of thousands is work for the collector
     for given in paths:
-        for part, packs in _files(existing(Path(given)), notes, failed):
+        named = given if isinstance(given, Path) else Path(given)
+        for part, packs in _files(named, notes, failed):
             try:
                 with reading(part):
                     file = _open(part, packs, notes, stack, held)
             except SourceError as error:
-                if part == Path(given):
+                if part == named:
                     raise
                 failed.append(error)  # of what was not named itself it costs that alone
             else:
@@ -157,7 +157,7 @@ def _plain(path: Path, kind: RecordingFormat | None, notes: Counter[str]) -> Pie
         raise SourceError(f"{path}: holds samples and no messages; expected {', '.join(known)}")
     file: PiecedFile = kind.open(path, notes)
     if isinstance(file, MappedFile) and file.size <= SMALL:
-        file.fingerprint  # noqa: B018  while it is in memory: of thousands of them none stays there
+        file.take_digest()
         if isinstance(file, ChunkedFile) and file.joins:
             file.told()
     return file

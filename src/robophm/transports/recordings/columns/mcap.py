@@ -35,7 +35,6 @@ from robophm.transports.recordings.columns.mcap_definitions import (
     connections_of,
     define,
     definitions_of,
-    run_of_definitions,
 )
 from robophm.transports.recordings.columns.mcap_messages import FOUND, HEAD, by_channel, table_of
 from robophm.transports.recordings.columns.pieces import (
@@ -120,7 +119,8 @@ class McapFile(ChunkedFile):
 
     def begin(self) -> int:
         """Return when the first message was received [ns]."""
-        return min(super().begin(), int(self._loose["time"].min(initial=MOST_TIME)))
+        begin = super().begin()
+        return min(begin, int(self._loose["time"].min())) if self._loose.size else begin
 
     def pieces(self, wanted: Collection[int], start: int, end: int, timed: Collection[int] = ()) -> Iterator[Piece]:
         """Chunks, and what was found outside them, in order of time."""
@@ -205,7 +205,7 @@ class McapFile(ChunkedFile):
     def extents(self) -> dict[int, TopicExtent]:
         """Return how many messages each connection has, in chunks and outside them, and when they were received."""
         told = super().extents()
-        for id_ in np.unique(self._loose["channel"]).tolist():
+        for id_ in np.unique(self._loose["channel"]).tolist() if self._loose.size else ():
             tell(told, id_, self._loose["time"][self._loose["channel"] == id_].astype(np.int64))
         return told
 
@@ -294,14 +294,13 @@ class McapFile(ChunkedFile):
 
     def _read_definitions(self, records: memoryview) -> int:
         """Keep the schemas and channels that a summary begins with; return where they end."""
-        run = run_of_definitions(records)
         try:
-            shared = definitions_of(bytes(run))
+            shared = definitions_of(records)
         except DamageError:  # each by itself then
             return 0
         self._schemas, self._channels = dict(shared.schemas), dict(shared.channels)
         self._shared = shared
-        return len(run)
+        return len(shared.run)
 
     def chunk_at(self, offset: int) -> Chunk:
         """Return the chunk record at this place; raises DamageError."""
