@@ -41,14 +41,14 @@ def suffixes() -> frozenset[str]:
 
 
 class Look(NamedTuple):
-    """What is seen of a regular file at first."""
+    """A first look at a regular file."""
 
     kind: RecordingFormat | None
     """The format that recognises what the file begins with, or else the one that its suffix is of; None else."""
     packed: bool
     """Whether it is compressed as a whole."""
     state: State | None
-    """Its state, where that tells whether it is changed after this."""
+    """The state of the file; None where a later change might not show in it."""
 
 
 def look_at(path: Path) -> Look | None:

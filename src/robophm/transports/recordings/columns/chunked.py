@@ -180,13 +180,18 @@ class ChunkedFile(MappedFile):
         chunks = self._within(frozenset(), frozenset(self._known()), -MOST_TIME, MOST_TIME)
         for chunk in chunks:
             self._fetch_index(chunk)
+        wrong: dict[int, Chunk] = {}
         for chunk in chunks:
             try:
                 tell_all(told, self.indexed_times(chunk), chunk.first, chunk.last)
             except DamageError:
+                wrong[chunk.offset] = chunk._replace(indices=None)
                 with suppress(DamageError):
                     for messages in self.scanned(chunk, self.unpacked(chunk), self._known()):
                         tell(told, messages.connection, messages.times)
+        if any(one.offset in wrong and one.indices is not None for one in self.chunks):
+            self.joins = False  # of whom such a chunk holds messages, no index says
+            self.chunks = [wrong.get(one.offset, one) for one in self.chunks]
         return told
 
     def _known(self) -> set[int]:

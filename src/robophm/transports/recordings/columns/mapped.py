@@ -70,7 +70,7 @@ class MappedFile(PiecedFile):
 
     @cached_property
     def fingerprint(self) -> str:
-        """What the file is known by, whatever it is called."""
+        """Return what the file is known by, whatever it is called."""
         return self._digest.result() if self._digest else fingerprint_of(self.source)
 
     def take_digest(self) -> None:

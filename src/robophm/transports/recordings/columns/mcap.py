@@ -188,7 +188,7 @@ class McapFile(ChunkedFile):
 
     def placed(self, chunks: list[Chunk], wanted: frozenset[int]) -> list[Chunk]:
         """The chunks with their checksums, where their messages are wanted."""
-        some = [number for number, chunk in enumerate(chunks) if chunk.indices and not wanted.isdisjoint(chunk.indices)]
+        some = [number for number, one in enumerate(chunks) if not (one.indices and wanted.isdisjoint(one.indices))]
         if not self._from_index or not some:
             return chunks
         for number in some:

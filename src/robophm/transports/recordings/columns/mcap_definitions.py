@@ -63,7 +63,7 @@ def definitions_of(records: memoryview) -> Definitions:
 
 
 _defined_last = Definitions(b"", {}, {}, [])
-"""What was defined in the file before."""
+"""The definitions of the file before."""
 
 
 def _run_of_definitions(records: memoryview) -> bytes:

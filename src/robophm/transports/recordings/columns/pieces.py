@@ -76,7 +76,7 @@ class PiecedFile(ABC):
 
     @cached_property
     def fingerprint(self) -> str:
-        """What the file is known by, whatever it is called."""
+        """Return what the file is known by, whatever it is called."""
         return fingerprint_of(self.path)
 
     @property
