@@ -9,6 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -69,10 +70,14 @@ class PiecedFile(ABC):
         self.notes = notes
         self.late: Counter[str] = Counter()
         """Notes on the file as a whole that were made after it was opened."""
-        self.fingerprint = fingerprint_of(path)
         self.counts: dict[int, int] = {}
         """How many messages of each connection it says that it holds, where it says that."""
         self._extents: dict[int, TopicExtent] | None = None
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """Return what the file is known by, whatever it is called."""
+        return fingerprint_of(self.path)
 
     @property
     def weight(self) -> int:
