@@ -144,7 +144,7 @@ class ExposureIntegrator:
                     on = grid.operating / HOUR if clock.clock == "calendar" else clock.units(steps)
                     self._witness(members, on, factor, group.named(inputs))
             if np.any(outside) and (over := int(np.sum(grid.on, where=outside))):
-                part.extrapolated.update({self.modes[i].path: over for i in members})
+                part.extrapolated.update({self.modes[i].identity: over for i in members})
         if by_hazard:
             modes = [i for i, *_ in by_hazard]
             begun = _begun(ledger.age, modes, went.age[:, modes] * duty[modes])

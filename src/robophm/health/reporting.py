@@ -10,7 +10,7 @@ import numpy as np
 
 from robophm.core.argument_checks import number, one_of
 from robophm.core.signal import REORDERED
-from robophm.design.robot import FailureMode
+from robophm.design.robot import FailureMode, Robot
 from robophm.design.task import Knowledge, Plan, Task
 from robophm.design.task_checks import check_knowledge, check_plan, check_task
 from robophm.health.doubtful_signals import Doubt, doubts
@@ -128,7 +128,7 @@ def health_now(
             for marks in (_marks(component.modes, ledger, silent, wear, doubtful),)
         ),
         asked,
-        (*rejected_samples(ledger), *_counted_since(ledger), *_doubted(doubtful, lived, asked)),
+        (*rejected_samples(ledger), *_counted_since(robot, ledger), *_doubted(doubtful, lived, asked)),
         views,
         wear=tuple(wear),
         doubts=doubtful,
@@ -179,11 +179,12 @@ def with_earlier_look(now: HealthReport, earlier: HealthReport) -> HealthReport:
     return found
 
 
-def _counted_since(ledger: Ledger) -> list[str]:
+def _counted_since(robot: Robot, ledger: Ledger) -> list[str]:
     """What is said of parts that came into the design when the robot had lived already."""
     came: dict[int, list[str]] = {}
-    for key, time in ledger.begun.items():
-        came.setdefault(time, []).append(key.partition(" (")[0])
+    for mode in robot.modes if ledger.begun else ():
+        if mode.key in ledger.begun:
+            came.setdefault(ledger.begun[mode.key], []).append(mode.path)
     return [
         f"{some(paths)}: counted since {moment(time)}, not in the design before" for time, paths in sorted(came.items())
     ]
@@ -237,7 +238,7 @@ def _marks(
     for mode in modes:
         heard_by |= {channel.signal for stress in mode.stresses for channel in stress.channels.values()}
         heard_by |= set(mode.measured_clock.signals if mode.measured_clock else ())
-        extrapolated |= bool(ledger.extrapolated[mode.path])
+        extrapolated |= bool(ledger.extrapolated[mode.identity])
     own = {signal: last for signal, last in silent.items() if signal in heard_by}
     flags = (
         *(f"{STALE}{signal}" for signal in own),

@@ -10,7 +10,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from robophm.core.errors import RobophmError, SourceError
 from robophm.core.signal import Sample
@@ -170,6 +170,19 @@ class Monitoring:
             if kept is not None:
                 return kept
         return Ledger.new(robot)
+
+    def kept(self, identity: str) -> Mapping[str, Any] | None:
+        """Return the past of a robot by its identity, as a ledger keeps it; None where there is none.
+
+        Raises StoreError where it cannot be read.
+        """
+        run = self.run
+        if run and run.ledger is not None:
+            return run.ledger.to_json() if run.robot.identity == identity else None
+        if not self._store or not store_exists(self._store):
+            return None
+        with open_store(self._store) as store:
+            return store.ledger(identity)
 
     def _watch(self, run: Run, source: SignalSource, told: object, board: Board) -> None:
         try:

@@ -13,10 +13,13 @@ from typing import TYPE_CHECKING, Annotated
 from fastapi import Depends, Request
 
 from robophm.core.errors import DesignError, RobophmError
+from robophm.design.identities import identities
+from robophm.design.identity_edits import NOTHING, Lived
 from robophm.design.problems import Problem as Found
 from robophm.drafting.received import ReceivedFiles
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
+from robophm.health.ledger_parts import lived
 from robophm.health.outlooks import View, outlooks
 from robophm.health.prognosis import Outlook
 from robophm.stores import Address
@@ -115,6 +118,16 @@ class Service:
     def past(self, prepared: PreparedRobot) -> tuple[ExposureIntegrator, Ledger]:
         """Return the robot's ledger as far as is known. Raises StoreError."""
         return ExposureIntegrator(prepared.robot), self.monitoring.last_ledger(prepared.robot)
+
+    def lived(self) -> Lived:
+        """Return what of the design now, and of what was in it, has a past. Raises StoreError."""
+        checked = self.workspace.checked.of(self.workspace.draft().text)
+        name = str(checked.document.get("identity") or checked.document.get("name"))
+        data = self.monitoring.kept(name)
+        if data is None:
+            return NOTHING
+        found = lived(data, identities(checked.robot) if checked.robot else ())
+        return Lived({name, *found.every}, found.doubted if checked.robot else None)
 
     def outlooks(self, prepared: PreparedRobot) -> Mapping[View, Outlook]:
         """Return both views of the robot with its past as far as is known. Raises StoreError."""

@@ -183,7 +183,7 @@ def _report(service: Service) -> str:
     history: list[Any] = []
     if (store := service.settings.store) and store_exists(store):
         with open_store(store) as kept:
-            history = list(kept.history(prepared.robot.name))
+            history = list(kept.history(prepared.robot.identity))
     return health_page(prepared.robot, report, history, ledger.to_json())
 
 

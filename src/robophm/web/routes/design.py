@@ -9,7 +9,8 @@ from fastapi.responses import PlainTextResponse
 
 from robophm.core.errors import DesignError
 from robophm.core.yaml_values import values
-from robophm.design import editing
+from robophm.design import editing, identity_edits
+from robophm.design.identity_edits import NOTHING, Lived
 from robophm.design.located_error import LocatedError
 from robophm.web.drawing import drawing
 from robophm.web.service import Served
@@ -62,9 +63,11 @@ def get_design(service: Served) -> DesignState:
 def edit_design(edits: Edits, service: Served) -> DesignState:
     """Edit the design: all of the operations, or none."""
 
+    lived = service.lived()
+
     def change(document: Any) -> None:
         for operation in edits.operations:
-            apply(document, operation)
+            apply(document, operation, lived)
 
     draft = service.workspace.edit(edits.revision, change, edits.what or edits.operations[0].op)
     return service.design_state(draft)
@@ -149,23 +152,23 @@ def get_drawing(
     return drawing(service.prepared(), path, width, unit, whole=whole)
 
 
-def apply(document: Any, operation: Operation) -> None:
-    """Make one edit in a document. Raises LocatedError."""
+def apply(document: Any, operation: Operation, lived: Lived = NOTHING) -> None:
+    """Make one edit in a document; what has ``lived`` keeps its identity. Raises LocatedError."""
     match operation:
         case Put():
-            editing.put(document, operation.path, operation.value)
+            identity_edits.put(document, operation.path, operation.value, lived)
         case PutText():
-            editing.put(document, operation.path, _read(operation))
+            identity_edits.put(document, operation.path, _read(operation), lived)
         case Delete():
             editing.delete(document, operation.path)
         case Rename():
-            editing.rename(document, operation.path, operation.name)
+            identity_edits.rename(document, operation.path, operation.name, lived)
         case Wire():
             editing.wire(document, operation.path, operation.diagram)
         case Group():
             editing.group(document, operation.path, operation.members, operation.kind, operation.k)
         case Move():
-            editing.move(document, operation.path, operation.to)
+            identity_edits.move(document, operation.path, operation.to, lived)
         case PlaceParts():
             editing.place(document, operation.path, operation.members, operation.beside, before=operation.before)
         case Ungroup():
