@@ -19,6 +19,7 @@ EXTRAS = {
     "web": ("the page: robophm serve", ("fastapi", "uvicorn", "websockets")),
     "fit": ("life data: robophm fit", ("surpyval",)),
     "ros2": ("ROS 2 without its installation, over DDS", ("cyclonedds",)),
+    "mqtt": ("robots that tell their state at an MQTT broker, as by VDA 5050", ("paho-mqtt",)),
     "notebook": ("data frames and plots in Python", ("pandas", "matplotlib")),
     "parquet": ("tables in Parquet", ("pyarrow",)),
     "px4": ("logs of PX4", ("pyulog",)),
