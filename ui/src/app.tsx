@@ -6,6 +6,7 @@ import { Help } from "./parts/Help";
 import { Icon, State } from "./parts/Icon";
 import { OutsideDialog } from "./parts/OutsideDialog";
 import { Palette } from "./parts/Palette";
+import { PastButton } from "./parts/Past";
 import { ProblemsButton } from "./parts/Problems";
 import { Toasts } from "./parts/Toasts";
 import { PAGES } from "./pages";
@@ -69,6 +70,7 @@ function Top({ openPalette, openHelp }: { openPalette: () => void; openHelp: () 
         </a>
       )}
       <ProblemsButton />
+      <PastButton />
       <button onClick={() => void undo()} disabled={undoes == null} title={undoes == null ? "Nothing to undo" : `Undo: ${undoes} (Ctrl+Z)`}>
         Undo
       </button>

@@ -61,15 +61,21 @@ def put(document: Any, path: Sequence[str], value: Any, lived: Lived = NOTHING) 
 
 def state(document: Any, path: str, identity: str) -> None:
     """State the identity of a part or module by its path, "" for the robot. Raises LocatedError where there is none."""
+    place = place_at(document, path)
+    if place:
+        editing.put(document, (*place, "identity"), identity)
+    else:
+        _put_first(document, "identity", identity)
+
+
+def place_at(document: Any, path: str) -> tuple[str, ...]:
+    """Return the place of a part or module by its path. Raises LocatedError where there is none."""
     place: tuple[str, ...] = ()
     for name in path.split("/") if path else ():
         inside = editing.value_at(document, place).get("modules") or {}
         place += ("modules" if name in inside else "components", name)
         editing.value_at(document, place)
-    if place:
-        editing.put(document, (*place, "identity"), identity)
-    else:
-        _put_first(document, "identity", identity)
+    return place
 
 
 def _put_first(document: Any, key: str, value: Any) -> None:

@@ -19,7 +19,7 @@ from robophm.drafting.drafting import evidence
 from robophm.transports.recordings.files import reading
 from robophm.transports.recordings.opening import open_source
 from robophm.transports.recordings.packed import head_of
-from robophm.transports.recordings.recognising import format_of, suffixes
+from robophm.transports.recordings.recognising import look_at, suffixes
 
 Kind = Literal["description", "recording", "parts list"]
 
@@ -51,7 +51,8 @@ def kind_of(path: Path) -> Kind:
     """The kind of a file, by its content. Raises RobophmError for one that cannot be read as any."""
     with reading(path):
         head, _ = head_of(path)
-        format_ = format_of(path)
+        look = look_at(path)
+        format_ = look.kind if look else None
     suffix = path.suffix.lower()
     if suffix in (".urdf", ".xacro") or head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):
         read_urdf(path)

@@ -48,6 +48,11 @@ def choices(recordings: Iterable[Path], *, seed: int | None = None, live: bool =
     return {one.name: one for one in found}
 
 
+def begins(task: PlannedTask | DoneTask) -> int:
+    """Return when a recording first tells of a task [ns]."""
+    return task.time if isinstance(task, PlannedTask) else task.start
+
+
 def chosen(known: dict[str, Choice], name: str) -> Choice:
     """Return the source of that name. Raises SourceError."""
     if name not in known:

@@ -7,10 +7,10 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query
 from fastapi.responses import PlainTextResponse
 
-from robophm.core.errors import DesignError
+from robophm.core.errors import DesignError, StoreError
 from robophm.core.yaml_values import values
 from robophm.design import editing, identity_edits
-from robophm.design.identity_edits import NOTHING, Lived
+from robophm.design.identity_edits import NOTHING, Lived, place_at
 from robophm.design.located_error import LocatedError
 from robophm.web.drawing import drawing
 from robophm.web.service import Served
@@ -27,6 +27,8 @@ from robophm.web.shapes import (
     OfRevision,
     Operation,
     Outside,
+    PastOfDesign,
+    PastOfPart,
     PastState,
     PlaceParts,
     Put,
@@ -89,6 +91,22 @@ def redo(asked: OfEdit, service: Served) -> DesignState:
 def save(asked: SaveAsked, service: Served) -> DesignState:
     """Write the design file, what was there kept beside it; not over what somebody has changed in it by hand."""
     return service.design_state(service.workspace.save(asked.revision, asked.over))
+
+
+@router.get("/past")
+def get_past(service: Served) -> PastOfDesign:
+    """Tell what becomes of the past of each part under the design now, before it is saved or watched."""
+    try:
+        found = service.fates()
+    except StoreError as error:
+        return PastOfDesign(kept=True, parts=[], trouble=str(error))
+    document = service.workspace.checked.of(service.workspace.draft().text).document
+    parts = [
+        PastOfPart(path=one.path, kind=one.kind, said=one.said, candidates=list(one.candidates),
+                   place=[] if one.kind == "removed" else list(place_at(document, one.path)))
+        for one in found or () if one.kind != "same"
+    ]  # fmt: skip
+    return PastOfDesign(kept=found is not None, parts=parts, trouble="")
 
 
 @router.post("/take", responses=WRITES)
