@@ -68,7 +68,7 @@ def test_releases_of_px4_that_differ_are_not_guessed(
     monkeypatch.setenv(PX4_RELEASE, "1.15")
     assert known("/fmu/out/battery_status", "px4_msgs/msg/BatteryStatus").origin == "px4_msgs of 1.15"
     monkeypatch.setenv(PX4_RELEASE, "9")
-    with pytest.raises(SourceError, match="PX4_RELEASE is '9', of which no messages are known; expected one of 1.14"):
+    with pytest.raises(SourceError, match=r"PX4_RELEASE is '9', of which no messages are known; expected one of 1\.14"):
         known("/fmu/out/battery_status", "px4_msgs/msg/BatteryStatus")
 
 
