@@ -42,7 +42,7 @@ def sourced(request: pytest.FixtureRequest, domain: int, tmp_path: Path) -> dict
     shutil.copy(compiled, package / f"_rclpy_pybind11{tag}.so")
     return os.environ | {
         "ROS_VERSION": "2", "ROS_DISTRO": "humble", "AMENT_PREFIX_PATH": str(prefix),
-        "PYTHONPATH": os.pathsep.join([str(package.parent), str(LAUNCHED)]),
+        "PYTHONPATH": os.pathsep.join([str(package.parent), str(LAUNCHED), os.environ.get("PYTHONPATH", "")]),
     }  # fmt: skip
 
 

@@ -38,7 +38,7 @@ class Address:
 
 @dataclass(frozen=True, repr=False)
 class Secrets:
-    """What a broker is shown to be let in, as the environment names it."""
+    """The secrets that a broker is shown to let us in, as the environment names them."""
 
     password: str | None = None
     authority: str | None = None

@@ -62,7 +62,7 @@ class Mqtt(ListeningSource):
         self._lock = threading.RLock()
         self._subscription: Subscription | None = None
         self._cut_off = ""
-        """What a message said last of the robot's connection, where it is none."""
+        """The latest words on the robot's connection, where it is none."""
         self.connection = Connection(self.address, self._notes, self._heard, self._lost)
         self._born = time.monotonic()
 
