@@ -62,8 +62,6 @@ class ChunkedFile(MappedFile):
     ENTRY: np.dtype[Any]
     """The layout of an entry of an index."""
     chunks: list[Chunk]
-    joins = False
-    """Whether the file's own index is believed, and there is nothing in it besides chunks."""
     of_many = False
     """Whether it stands for several files."""
 

@@ -278,12 +278,17 @@ class McapFile(ChunkedFile):
                 except DamageError:
                     self.lost("a damaged chunk", position)
             elif whole_file and opcode == MESSAGE_INDEX and self.chunks and length >= 2:
-                (channel,) = struct.unpack_from("<H", view, position + 9)
-                self.chunks[-1].indices[channel] = position  # type: ignore[index]
+                self._index_behind(int(struct.unpack_from("<H", view, position + 9)[0]), position)
             elif whole_file and opcode == FOOTER and end == size - len(MAGIC):  # elsewhere it is a damaged record
                 return table_of(found), size
             position = beyond
         return table_of(found), position
+
+    def _index_behind(self, channel: int, position: int) -> None:
+        """Keep where an index of the newest chunk lies; of two of one channel, one is of another that it hides."""
+        chunk = self.chunks[-1]
+        if chunk.indices is not None and chunk.indices.setdefault(channel, position) != position:
+            self.chunks[-1] = chunk._replace(indices=None)
 
     def _define(self, opcode: int, content: memoryview) -> None:
         """Keep a schema or a channel; what was said first holds."""
@@ -348,6 +353,8 @@ class McapFile(ChunkedFile):
             raise _NotInSummaryError("no schemas in the summary")
         if not self._channels or not (self.chunks or (self.counts and not counted)):
             raise _NotInSummaryError("no channels or chunks in the summary")
+        if not self._checked and any(one.indices and one.indices.keys() - self._channels for one in self.chunks):
+            raise DamageError("an index of no channel")
 
     def _indexed_chunk(self, content: memoryview) -> Chunk:
         """The chunk that a chunk index record speaks of; its own record is asked where no checksum vouches for that."""
@@ -397,6 +404,9 @@ class McapFile(ChunkedFile):
                     self._scan(self.unpacked(chunk), 0)
         for opcode, start, end in self._repeated:  # what the summary says, where there was no better word
             self._define(opcode, self.content.data[start:end])
+        for number, chunk in enumerate(self.chunks):  # an index of no channel is one of another that it hides
+            if chunk.indices and chunk.indices.keys() - self._channels:
+                self.chunks[number] = chunk._replace(indices=None)
         sound = {topic for schema, topic, _ in self._channels.values() if schema in self._schemas}
         for id_, (schema, topic, _) in [*self._channels.items()]:
             if topic in sound and schema not in self._schemas:
