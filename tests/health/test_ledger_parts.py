@@ -113,7 +113,9 @@ def test_a_part_under_another_name_is_asked_about_and_each_answer_is_followed() 
     before = settled(design(BOTH), hours(0, 10))
     renamed = {"motor": MOTOR, "blower": FAN}
     assert fate(before, renamed, "blower")[:4] == ("blower", "asked", "", ("fan",))
-    with pytest.raises(StoreError, match="'blower' has no past, and 'fan' has one, but is gone: whether that is the same part"):
+    with pytest.raises(
+        StoreError, match="'blower' has no past, and 'fan' has one, but is gone: whether that is the same part"
+    ):
         follow(before, renamed)
     same = follow(before, {"motor": MOTOR, "blower": {**FAN, "identity": "fan"}})
     new = follow(before, {"motor": MOTOR, "blower": {**FAN, "identity": "blower"}})
