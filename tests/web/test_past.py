@@ -21,6 +21,7 @@ from robophm.monitoring.live_loop import watch
 from robophm.stores.sqlite import SqliteStore
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.recordings.opening import open_source
+from robophm.web.service import Service
 from robophm.web.sources import Choice
 
 from .conftest import Served, serving
@@ -95,9 +96,11 @@ def hours(**said: float) -> Any:
     return pytest.approx({path.replace("_", "/"): age for path, age in said.items()}, abs=MINUTES)
 
 
-def test_the_past_goes_on_over_edits_starts_and_restarts(cart: Path, tmp_path: Path) -> None:
+def test_the_past_goes_on_over_edits_starts_and_restarts(
+    cart: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     with beside(cart) as served:
-        served.service.sources = {"live": live(drive(tmp_path / "first", 0))}
+        monkeypatch.setattr(Service, "sources", {"live": live(drive(tmp_path / "first", 0))})
         assert served.get("/api/design/past") == {"kept": False, "parts": [], "trouble": ""}
         run_through(served, "live")
         assert ages(served) == hours(drive_motor=1, drive_brake=1, lamp=1)
@@ -116,25 +119,27 @@ def test_the_past_goes_on_over_edits_starts_and_restarts(cart: Path, tmp_path: P
         state = served.post("/api/design/undo", {"revision": served.get("/api/design")["revision"]})
         served.post("/api/design/save", {"revision": state["revision"]})
         served.edit(new)
-        served.service.sources = {"live": live(drive(tmp_path / "second", 2))}
+        monkeypatch.setattr(Service, "sources", {"live": live(drive(tmp_path / "second", 2))})
         run_through(served, "live")
         assert ages(served) == hours(traction_motor=2, traction_brake=2, traction_lamp=2, horn=1)
     with beside(cart) as served:
         assert ages(served) == hours(traction_motor=2, traction_brake=2, traction_lamp=2, horn=1)
         robot = served.service.prepared().robot
         assert (robot.name, robot.identity) == ("wagon", "cart")
-        served.service.sources = {"live": live(drive(tmp_path / "third", 4))}
+        monkeypatch.setattr(Service, "sources", {"live": live(drive(tmp_path / "third", 4))})
         run_through(served, "live")
         assert ages(served) == hours(traction_motor=3, traction_brake=3, traction_lamp=3, horn=2)
 
 
-def test_what_a_hand_edit_leaves_open_is_answered_on_the_page(cart: Path, tmp_path: Path) -> None:
+def test_what_a_hand_edit_leaves_open_is_answered_on_the_page(
+    cart: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     with beside(cart) as served:
-        served.service.sources = {"live": live(drive(tmp_path / "first", 0))}
+        monkeypatch.setattr(Service, "sources", {"live": live(drive(tmp_path / "first", 0))})
         run_through(served, "live")
     cart.write_text(CART.replace("brake", "clutch"))
     with beside(cart) as served:
-        served.service.sources = {"live": live(drive(tmp_path / "second", 2))}
+        monkeypatch.setattr(Service, "sources", {"live": live(drive(tmp_path / "second", 2))})
         refused = served.post("/api/monitoring/start", {"source": "live"}, 422)
         assert "'drive/clutch' has no past, and 'drive/brake' has one, but is gone" in refused["message"]
         (asked, gone) = served.get("/api/design/past")["parts"]
@@ -146,13 +151,15 @@ def test_what_a_hand_edit_leaves_open_is_answered_on_the_page(cart: Path, tmp_pa
         assert ages(served) == hours(drive_motor=2, drive_clutch=2, lamp=2)
 
 
-def test_a_robot_renamed_by_hand_is_not_begun_anew_without_a_word(cart: Path, tmp_path: Path) -> None:
+def test_a_robot_renamed_by_hand_is_not_begun_anew_without_a_word(
+    cart: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     with beside(cart) as served:
-        served.service.sources = {"live": live(drive(tmp_path / "first", 0))}
+        monkeypatch.setattr(Service, "sources", {"live": live(drive(tmp_path / "first", 0))})
         run_through(served, "live")
     cart.write_text(CART.replace("name: cart", "name: wagon"))
     with beside(cart) as served:
-        served.service.sources = {"live": live(drive(tmp_path / "second", 2))}
+        monkeypatch.setattr(Service, "sources", {"live": live(drive(tmp_path / "second", 2))})
         refused = served.post("/api/monitoring/start", {"source": "live"}, 422)
         assert "known: cart; where it is 'cart' under another name, `identity: cart`" in refused["message"]
         assert served.get("/api/design/past")["trouble"] == refused["message"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from robophm.core.signal import SECOND
+from robophm.web.service import Service
 
 from ..test_past import CART, beside, drive, hours, live, until
 from ..test_past import ages as ages_of
@@ -36,11 +37,11 @@ def test_a_part_renamed_on_the_page_goes_on_after_stop_and_start(visit, tmp_path
         assert page.get_by_role("button", name="What becomes of the past").count() == 0
 
 
-def test_what_a_hand_edit_leaves_open_is_answered_in_a_dialog(visit, tmp_path):
+def test_what_a_hand_edit_leaves_open_is_answered_in_a_dialog(visit, tmp_path, monkeypatch):
     design = tmp_path / "cart.yaml"
     design.write_text(CART)
     with beside(design) as cart:
-        cart.service.sources = {"live": live(drive(tmp_path / "first", 0))}
+        monkeypatch.setattr(Service, "sources", {"live": live(drive(tmp_path / "first", 0))})
         cart.post("/api/monitoring/start", {"source": "live"})
         until(lambda: cart.get("/api/monitoring")["state"] != "running")
     design.write_text(CART.replace("brake", "clutch"))
