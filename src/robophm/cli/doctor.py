@@ -21,6 +21,7 @@ EXTRAS = {
     "ros2": ("ROS 2 without its installation, over DDS", ("cyclonedds",)),
     "notebook": ("data frames and plots in Python", ("pandas", "matplotlib")),
     "parquet": ("tables in Parquet", ("pyarrow",)),
+    "protobuf": ("messages of Protocol Buffers in MCAP", ("protobuf",)),
     "px4": ("logs of PX4", ("pyulog",)),
     "mavlink": ("telemetry logs of ground stations", ("pymavlink",)),
     "pdf": ("reports as PDF", ("weasyprint",)),
