@@ -85,7 +85,9 @@ def test_a_table_of_it_is_read_again_bit_for_bit(
     assert suffix == ".parquet" or second.read_bytes() == table.read_bytes()
 
 
-@pytest.mark.parametrize(("signal", "says"), [("/ota/batery.x", "no topic '/ota/batery'"), ("/ota/battery.x", "has no")])
+@pytest.mark.parametrize(
+    ("signal", "says"), [("/ota/batery.x", "no topic '/ota/batery'"), ("/ota/battery.x", "has no")]
+)
 def test_what_is_not_there_is_said(drive: SyntheticOta, tmp_path: Path, signal: str, says: str) -> None:
     with written("csv").open(drive, tmp_path):
         (path,) = tmp_path.iterdir()

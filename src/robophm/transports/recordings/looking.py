@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from itertools import islice
+from itertools import islice, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -78,7 +78,7 @@ def columns_of(paths: Sequence[Path], signals: Collection[str], topics: Iterable
                 stack.callback(blocks.close)
             found.append(((spans[0][0], spans[-1][1]), str(each[0]), blocks))
         found.sort(key=lambda one: one[0])
-        for (before, name, _), (after, other, _) in zip(found, found[1:], strict=False):
+        for (before, name, _), (after, other, _) in pairwise(found):
             if after[0] < before[1]:
                 raise SourceError(
                     f"{name} and {other} overlap in time; expected what holds samples one after the other"
