@@ -1,38 +1,26 @@
 """Types of messages by name: where their definitions are looked for, and the hash by which a publisher proves its own.
 
-DDS carries no definition of ROS's. It is looked for in the installations that AMENT_PREFIX_PATH names, in what comes
+DDS carries no definition of ROS's. It is looked for in folders that are given, in installations, in what comes
 with robophm, and in what rosbags brings of each distribution, until one has the hash that the publisher tells
 (REP-2011; Iron and later).
 """
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from robophm.core.errors import SourceError
 from robophm.transports.health_topics.definitions import PACKAGE, definition, typestore
+from robophm.transports.signals.installed_definitions import NAME, definitions_in, generated, places
 from robophm.transports.signals.message_type import MessageType, message_type
-
-if TYPE_CHECKING:
-    from rosbags.typesys.store import Typestore
-
-MOST_PARTS = 200
-"""Types in a type, beyond which a definition is taken to be damaged."""
-
-LONGEST_FILE = 1 << 20
-"""Bytes of a definition's file, beyond which it is not believed to be one."""
 
 DISTRIBUTIONS = ("LATEST", "ROS2_KILTED", "ROS2_JAZZY", "ROS2_IRON", "ROS2_HUMBLE")
 """Distributions whose types are searched if they are not installed, by rosbags' names."""
 
-_NAME = re.compile(r"[A-Za-z]\w*/(msg|srv|action)/[A-Za-z]\w*\Z", re.ASCII)
 _DDS_NAME = re.compile(r"([A-Za-z]\w*)::(msg|srv|action)::dds_::([A-Za-z]\w*)_\Z", re.ASCII)
-_SEPARATOR = "\n" + "=" * 80 + "\nMSG: "
 
 
 @dataclass(frozen=True)
@@ -54,7 +42,7 @@ class Definition:
 def ros2_name(name: str) -> str:
     """Return ``std_msgs/msg/Float64``, also for a name without the middle, as ROS 1 spells it. Raises SourceError."""
     full = name if name.count("/") != 1 else name.replace("/", "/msg/")
-    if not _NAME.match(full):
+    if not NAME.match(full):
         raise SourceError(f"'{name[:200]}' is not a type; expected e.g. 'std_msgs/msg/Float64'")
     return full
 
@@ -133,77 +121,11 @@ def _texts(name: str, *, newest: bool) -> Iterator[tuple[str, str]]:
     """Definitions of a type, and where each was found."""
     from rosbags.typesys import Stores, get_typestore
 
-    for prefix in filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)):
-        if (text := _installed(Path(prefix), name)) is not None:
-            yield text, prefix
+    given, installed = places()
+    yield from definitions_in((*given, *installed), name)
     if name.startswith(f"{PACKAGE}/") and name in typestore(2).fielddefs:
         yield definition(name, 2), "robophm"
     for distribution in DISTRIBUTIONS if newest else DISTRIBUTIONS[::-1]:
         store = get_typestore(Stores[distribution])
         if name in store.fielddefs:
-            yield _generated(store, name), f"ROS 2 {distribution.removeprefix('ROS2_').title()}"
-
-
-def _generated(store: Typestore, name: str) -> str:
-    return str(store.generate_msgdef(name, ros_version=2)[0])
-
-
-def _installed(prefix: Path, name: str) -> str | None:
-    """The texts of a type and of all types in it, those that are not here by rosbags; None where it is not here."""
-    from rosbags.interfaces import Nodetype
-    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-
-    texts: dict[str, str] = {}
-    waiting = [name]
-    others: Typestore | None = None
-    while waiting:
-        part = waiting.pop()
-        if part in texts:
-            continue
-        text = _file(prefix, part)
-        if text is None:
-            if not texts:
-                return None
-            others = others or get_typestore(Stores.LATEST)
-            if part not in others.fielddefs:
-                continue  # compiling it says so
-            text = _generated(others, part).partition("\n" + "=" * 80)[0]
-        texts[part] = text
-        if len(texts) > MOST_PARTS:
-            return None
-        try:
-            fields = get_types_from_msg(text, part)[part][1]
-        except Exception:  # whatever the parser raises: compiling it says what is wrong
-            continue
-        for _, (node, detail) in fields:
-            inner: Any = detail[0] if node in (Nodetype.ARRAY, Nodetype.SEQUENCE) else (node, detail)
-            if inner[0] == Nodetype.NAME:
-                waiting.append(inner[1])
-    return _SEPARATOR.join([texts[name], *(f"{part}\n{texts[part]}" for part in texts if part != name)])
-
-
-def _file(prefix: Path, name: str) -> str | None:
-    """The text of one type in an installation."""
-    package, kind, last = name.split("/")
-    folder = prefix / "share" / package / kind
-    try:
-        if kind == "action":
-            return _of_action(folder, package, last)
-        path = folder / f"{last}.msg"
-        if path.stat().st_size <= LONGEST_FILE:
-            return path.read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        pass
-    return None
-
-
-def _of_action(folder: Path, package: str, last: str) -> str | None:
-    """The feedback of an action as a type: rosidl makes it of the third part of the action's file."""
-    action, _, kind = last.partition("_")
-    if kind == "FeedbackMessage":
-        return f"unique_identifier_msgs/UUID goal_id\n{package}/action/{action}_Feedback feedback\n"
-    path = folder / f"{action}.action"
-    if kind != "Feedback" or path.stat().st_size > LONGEST_FILE:
-        return None
-    parts = re.split(r"^---\s*$", path.read_text(encoding="utf-8", errors="replace"), flags=re.M)
-    return parts[2] if len(parts) == 3 else None
+            yield generated(store, name), f"ROS 2 {distribution.removeprefix('ROS2_').title()}"

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import Reduction, any_element, steps_of
 from robophm.transports.signals.element_names import Field, Way, getter, namer_of, number
+from robophm.transports.signals.installed_definitions import definitions_in, places
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection, MessageDefinition
@@ -62,8 +63,8 @@ class MessageType:
     decode: Callable[[bytes], Any]
     stamp_fields: tuple[str, str] | None
     """The fields with the seconds and nanoseconds of its time; None where it has none."""
-    borrowed: bool
-    """Whether the recording does not define the type, so that Humble's is taken."""
+    borrowed: str
+    """Where its definition was taken from, as the recording has none; empty where it has."""
     store: Typestore | None
     """Types that rosbags has compiled; None where it is of another encoding."""
     bounded: bool
@@ -96,8 +97,9 @@ def message_type(connection: Connection) -> MessageType:
     try:
         if encoding in _DESCRIBED:
             return _described_type(connection.msgtype, connection.msgdef.data, encoding)
+        lies = places() if connection.msgdef.format.value == 0 else ((), ())
         with _COMPILING:
-            return _compiled_type(connection.msgtype, connection.msgdef, encoding)
+            return _compiled_type(connection.msgtype, connection.msgdef, encoding, lies)
     except SourceError as error:
         raise SourceError(f"topic '{connection.topic}' {error}") from None
     except Exception as error:  # the parser fails on definitions in many ways
@@ -106,9 +108,11 @@ def message_type(connection: Connection) -> MessageType:
 
 
 @lru_cache(maxsize=256)
-def _compiled_type(name: str, definition: MessageDefinition, encoding: str) -> MessageType:
+def _compiled_type(
+    name: str, definition: MessageDefinition, encoding: str, lies: tuple[tuple[str, ...], tuple[str, ...]]
+) -> MessageType:
     """Types are compiled by definition, not by name: two files may define one name differently."""
-    store, borrowed = _typestore(name, definition)
+    store, borrowed = _typestore(name, definition, lies)
     if _size(store.fielddefs, name, {}) > LARGEST_TYPE:
         raise ValueError(f"over {LARGEST_TYPE} fields")
     store.get_msgdef(name)  # raises where a part of the definition is missing
@@ -131,7 +135,7 @@ def _described_type(name: str, schema: str, encoding: str) -> MessageType:
         raise SourceError(f"its schema has over {LARGEST_TYPE} fields")
     known = {*numeric_fields(definitions, name)}
     stamp = next((pair for pair in _STAMPS if known.issuperset(pair)), None)
-    return MessageType(name, definitions, encoding, decode, stamp, False, None, True)
+    return MessageType(name, definitions, encoding, decode, stamp, "", None, True)
 
 
 def _whole(times_of: Callable[[Any], tuple[float, float]], message: Any) -> tuple[int, int]:
@@ -197,15 +201,17 @@ def _size(definitions: Typesdict, type_: str, known: dict[str, int]) -> int:
     return known[type_]
 
 
-def _typestore(name: str, definition: MessageDefinition) -> tuple[Typestore, bool]:
+def _typestore(
+    name: str, definition: MessageDefinition, lies: tuple[tuple[str, ...], tuple[str, ...]]
+) -> tuple[Typestore, str]:
+    """The types that a definition makes, and where it is from if it is not the recording's own."""
     from rosbags.interfaces import MessageDefinitionFormat as Format
     from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 
     if len(re.findall("[\n;]", definition.data)) > MOST_LINES:
         raise ValueError(f"over {MOST_LINES} lines")
     if definition.format is Format.NONE:
-        # only ROS 2 Humble and older record without definitions
-        return get_typestore(Stores.ROS2_HUMBLE), True
+        return _borrowed(name, lies)
     store = get_typestore(Stores.EMPTY)
     if definition.format is Format.MSG:
         store.register(get_types_from_msg(definition.data, name))
@@ -215,7 +221,29 @@ def _typestore(name: str, definition: MessageDefinition) -> tuple[Typestore, boo
             store.register(get_types_from_idl(part.partition("\n")[2]))
         if len(parts) == 1:
             store.register(get_types_from_idl(parts[0]))
-    return store, False
+    return store, ""
+
+
+def _borrowed(name: str, lies: tuple[tuple[str, ...], tuple[str, ...]]) -> tuple[Typestore, str]:
+    """The types that make up one without a definition, which only ROS 2 Humble and older record, and where they lie.
+
+    Folders that were given are asked first, then what Humble brings, then installations.
+    """
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    given, installed = lies
+    humble = get_typestore(Stores.ROS2_HUMBLE)
+    for prefixes in (given, () if name in humble.fielddefs else installed):
+        for text, origin in definitions_in(prefixes, name):
+            store = get_typestore(Stores.EMPTY)
+            store.register(get_types_from_msg(text, name))
+            return store, origin
+    if name not in humble.fielddefs:
+        raise SourceError(
+            f"has the type '{name}', whose definition is missing: the recording has none; expected its .msg file, "
+            "`robophm --messages FOLDER`"
+        )
+    return humble, "ROS 2 Humble"
 
 
 def numeric_fields(definitions: Typesdict, type_: str, prefix: str = "") -> Iterator[str]:
