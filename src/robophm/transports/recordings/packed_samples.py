@@ -17,7 +17,7 @@ Item = TypeVar("Item")
 
 
 class PackedSamples(SignalSource):
-    """What a source says of an unpacked copy, under the name of the file; closing it removes the copy.
+    """A source of an unpacked copy, under the name of the file; closing it removes the copy.
 
     Raises SourceError as the source does, and where the file does not unpack or would fill the disk.
     """

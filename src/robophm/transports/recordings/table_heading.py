@@ -28,7 +28,7 @@ _PX4 = re.compile(r"(?:.*\d_)?([a-z][a-z_]*)_(\d+)\Z")
 
 @dataclass(frozen=True)
 class Heading:
-    """What the columns of a table are."""
+    """The meaning of the columns of a table."""
 
     unit: Decimal
     """Nanoseconds of a unit of the time in the first column."""

@@ -41,7 +41,7 @@ _STAMPS = (
     ("header.stamp.sec", "header.stamp.nanosec"), ("header.stamp.sec", "header.stamp.nsec"),
     ("timestamp.seconds", "timestamp.nanos"), ("timestamp.sec", "timestamp.nsec"),
 )  # fmt: skip
-"""Where a message says its time, the first in ROS, the last two in Foxglove's types."""
+"""Fields in which a message says its time, the first in ROS, the last two in Foxglove's types."""
 
 _DESCRIBED = ("json", "protobuf")
 """Encodings whose schemas other modules read."""
@@ -64,7 +64,7 @@ class MessageType:
     stamp_fields: tuple[str, str] | None
     """The fields with the seconds and nanoseconds of its time; None where it has none."""
     borrowed: str
-    """Where its definition was taken from, as the recording has none; empty where it has."""
+    """The place from which its definition was taken, as the recording has none; empty where it has."""
     store: Typestore | None
     """Types that rosbags has compiled; None where it is of another encoding."""
     bounded: bool
