@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -105,5 +106,13 @@ def robophm(
     version: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="print it and end")
     ] = False,
+    messages: Annotated[
+        list[Path] | None,
+        typer.Option("--messages", help="folders with .msg files of types that recordings do not define; several"),
+    ] = None,
 ) -> None:
     """The honest health of a robot: hazard rate, reliability, remaining life and task completion."""
+    if messages:
+        from robophm.transports.signals.installed_definitions import use_folders
+
+        use_folders(messages)

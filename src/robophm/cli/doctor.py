@@ -22,6 +22,7 @@ EXTRAS = {
     "mqtt": ("robots that tell their state at an MQTT broker, as by VDA 5050", ("paho-mqtt",)),
     "notebook": ("data frames and plots in Python", ("pandas", "matplotlib")),
     "parquet": ("tables in Parquet", ("pyarrow",)),
+    "protobuf": ("messages of Protocol Buffers in MCAP", ("protobuf",)),
     "px4": ("logs of PX4", ("pyulog",)),
     "mavlink": ("telemetry logs of ground stations", ("pymavlink",)),
     "pdf": ("reports as PDF", ("weasyprint",)),

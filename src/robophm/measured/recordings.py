@@ -9,9 +9,9 @@ from pathlib import Path
 from robophm.core.errors import SourceError, UnitError, nearest
 from robophm.core.signal import any_element, named, split_signal
 from robophm.core.units import quantity
-from robophm.transports.recordings.columns import Columns, read_columns, recorded_topics
+from robophm.transports.recordings.columns import Columns
 from robophm.transports.recordings.files import existing, fingerprint_of, parts_of, reading
-from robophm.transports.recordings.opening import open_source
+from robophm.transports.recordings.looking import columns_of, spans_of, topics_of
 from robophm.transports.signals.message_units import field_unit
 
 
@@ -33,14 +33,13 @@ class Recorded:
 
     def columns(self, signals: Iterable[Signal], topics: Iterable[str] = ()) -> Columns:
         """Return the samples of these signals, and when messages of these topics were received."""
-        columns = read_columns(self.paths, [signal.name for signal in signals], topics=topics)
+        columns = columns_of(self.paths, [signal.name for signal in signals], topics)
         columns.notes.update(f"lost: {what}" for what in self.lost)
         return columns
 
     def spans(self) -> list[tuple[int, int]]:
         """Return when each recording in it began and ended [ns], by its messages on all topics."""
-        with open_source(*self.paths) as source:
-            return source.spans()
+        return spans_of(self.paths)
 
 
 @dataclass(frozen=True)
@@ -88,7 +87,7 @@ def recordings(paths: Sequence[Path], *, together: bool = False) -> list[Recorde
             with reading(file):
                 other = marks.setdefault(fingerprint_of(file), file)
                 if other is file:
-                    found.append(Recorded(str(file), (file,), recorded_topics(file)))
+                    found.append(Recorded(str(file), (file,), topics_of(file)))
         except SourceError as error:
             if file == asked_for:
                 raise

@@ -15,6 +15,8 @@ import zstandard
 from robophm.core import registry
 from robophm.core.errors import SourceError
 from robophm.core.signal import CLOCK
+from robophm.measured.overview import overview
+from robophm.measured.recordings import recordings
 from robophm.stores.sqlite import SqliteStore
 from robophm.transports.recordings.files import recordings_in
 from robophm.transports.recordings.formats.csv import CsvRecording
@@ -24,6 +26,7 @@ from robophm.transports.recordings.recording import Recording
 from robophm.transports.synthetic import SyntheticOta
 
 from ..conftest import SIGNALS
+from ..test_contract import written
 
 PACK = {
     "plain": lambda content: content,
@@ -100,11 +103,38 @@ def test_what_cannot_be_unpacked_is_said_in_one_line(recorded: dict[str, Path], 
         assert any("the rest is lost" in note for note in source.notes)
 
 
-def test_tables_that_are_compressed_are_refused_in_words(tmp_path: Path) -> None:
+@pytest.mark.parametrize("packed", ["gzip", "zstd"])
+@pytest.mark.parametrize("name", [name for name in formats() if name not in ("bag", "db3", "mcap")])
+def test_samples_that_are_compressed(packed: str, name: str, drive: SyntheticOta, tmp_path: Path) -> None:
+    made = written(name)
+    (tmp_path / "made").mkdir()
+    with made.open(drive, tmp_path / "made") as plain:
+        (whole,) = (tmp_path / "made").iterdir()
+        path = tmp_path / "drive.gz"
+        path.write_bytes(PACK[packed](whole.read_bytes()))
+        with open_source(path) as source:
+            wanted = [*made.names.values()]
+            assert sorted(one for one in source.samples(wanted) if one.signal != CLOCK) == made.samples(drive, SIGNALS)
+            assert source.topics() == plain.topics()
+            assert source.fingerprint == plain.fingerprint
+            assert (source.spans(), source.ends, source.notes) == (plain.spans(), plain.ends, plain.notes)
+            with pytest.raises(SourceError, match=rf"^{path}: no (signal|topic) "):
+                source.samples(["/nothing.at_all"])
+            source.close()
+        (recorded,) = recordings([path])
+        assert {one.name for one in overview(recorded).topics} == {info.topic for info in plain.topics()}
+
+
+def test_samples_whose_file_is_cut_are_read_as_far_as_they_unpack(tmp_path: Path) -> None:
     path = tmp_path / "drive.csv.gz"
-    path.write_bytes(gzip.compress(b"time,/a.x\n1,2.5\n"))
-    with pytest.raises(SourceError, match=r"drive\.csv\.gz: is compressed; expected it unpacked"):
-        open_source(path)
+    rows = "".join(f"{n},{n * n % 97}\n" for n in range(50_000))
+    path.write_bytes(gzip.compress(f"time,/a.x\n{rows}1,2,3\n".encode())[:-40])
+    with pytest.raises(SourceError, match=rf"^{path}, line \d+"), open_source(path) as source:
+        list(source.samples(["/a.x"]))
+    path.write_bytes(gzip.compress(b"time,/a.x\n1,2.5\n")[:-4])
+    with open_source(path) as source:
+        assert [one.value for one in source.samples(["/a.x"])] == [2.5]
+        assert any("the rest is lost" in note for note in source.notes)
 
 
 def test_tables_lie_beside_recordings_and_are_not_counted_again(recorded: dict[str, Path], tmp_path: Path) -> None:

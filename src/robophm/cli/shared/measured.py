@@ -16,7 +16,7 @@ from robophm.core.units import quantity
 from robophm.report.bars import bar_text
 from robophm.report.words import number_text
 
-Bags = Annotated[list[Path], typer.Argument(help=".bag, .db3, .mcap, rosbag2 folders, or folders of them")]
+Bags = Annotated[list[Path], typer.Argument(help="recordings, rosbag2 folders, or folders of them")]
 SignalName = Annotated[str, typer.Option("--signal", help="/topic.field, /topic.field[2], /topic.field[name]")]
 SignalNames = Annotated[list[str], typer.Option("--signal", help="/topic.field, [2] or [name] of an array; several")]
 Gap = Annotated[str, typer.Option("--gap", help="a value holds so long at most; after that nothing is known")]

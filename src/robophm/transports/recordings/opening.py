@@ -8,6 +8,7 @@ from robophm.core.argument_checks import path as given_path
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.files import recognised
 from robophm.transports.recordings.format import SampleFormat
+from robophm.transports.recordings.packed_samples import PackedSamples
 from robophm.transports.signals.source import SignalSource
 
 
@@ -28,9 +29,7 @@ def open_source(*paths: str | Path) -> SignalSource:
         if isinstance(kind, SampleFormat):
             if len(given) > 1:
                 raise SourceError(f"{path}: holds samples, and is read alone; {len(given)} files were given")
-            if packed:
-                raise SourceError(f"{path}: is compressed; expected it unpacked, as all that holds samples")
-            return kind.open(path)
+            return PackedSamples(path, kind.open) if packed else kind.open(path)
     from robophm.transports.recordings.salvage import Salvage
 
     return Salvage(*given)

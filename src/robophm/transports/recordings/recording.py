@@ -320,7 +320,7 @@ def readings_of(
             with reading(file.path):
                 type_ = message_type(connection)
                 if type_.borrowed:
-                    notes[f"definition of {type_.name} taken from ROS 2 Humble"] += 1
+                    notes[f"definition of {type_.name} taken from {type_.borrowed}"] += 1
                 values, names = [], []
                 for signal, field in wanted[connection.topic]:
                     try:

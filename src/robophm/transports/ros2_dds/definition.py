@@ -1,40 +1,35 @@
 """Types of messages by name: where their definitions are looked for, and the hash by which a publisher proves its own.
 
-DDS carries no definition of ROS's. It is looked for in the installations that AMENT_PREFIX_PATH names, in what comes
+DDS carries no definition of ROS's. It is looked for in folders that are given, in installations, in what comes
 with robophm (``interfaces/``), and in what rosbags brings of each distribution, until one has the hash that the
 publisher tells (REP-2011; Iron and later).
 """
 
 from __future__ import annotations
 
-import os
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from robophm.core.errors import SourceError
 from robophm.transports.health_topics.definitions import PACKAGE, definition, typestore
 from robophm.transports.ros2_dds.interfaces import Interface, candidates
+from robophm.transports.signals.installed_definitions import (
+    NAME,
+    definitions_in,
+    feedback_message,
+    gathered,
+    generated,
+    places,
+)
 from robophm.transports.signals.message_type import MessageType, message_type
-
-if TYPE_CHECKING:
-    from rosbags.typesys.store import Typestore
-
-MOST_PARTS = 200
-"""Types in a type, beyond which a definition is taken to be damaged."""
-
-LONGEST_FILE = 1 << 20
-"""Bytes of a definition's file, beyond which it is not believed to be one."""
 
 DISTRIBUTIONS = ("LATEST", "ROS2_KILTED", "ROS2_JAZZY", "ROS2_IRON", "ROS2_HUMBLE")
 """Distributions whose types are searched if they are not installed, by rosbags' names."""
 
-_NAME = re.compile(r"[A-Za-z]\w*/(msg|srv|action)/[A-Za-z]\w*\Z", re.ASCII)
 _DDS_NAME = re.compile(r"([A-Za-z]\w*)::(msg|srv|action)::dds_::([A-Za-z]\w*)_\Z", re.ASCII)
-_SEPARATOR = "\n" + "=" * 80 + "\nMSG: "
 
 
 @dataclass(frozen=True)
@@ -56,7 +51,7 @@ class Definition:
 def ros2_name(name: str) -> str:
     """Return ``std_msgs/msg/Float64``, also for a name without the middle, as ROS 1 spells it. Raises SourceError."""
     full = name if name.count("/") != 1 else name.replace("/", "/msg/")
-    if not _NAME.match(full):
+    if not NAME.match(full):
         raise SourceError(f"'{name[:200]}' is not a type; expected e.g. 'std_msgs/msg/Float64'")
     return full
 
@@ -135,92 +130,21 @@ def _texts(topic: str, name: str, told: str, *, newest: bool) -> Iterator[tuple[
     """Definitions of a type, and where each was found."""
     from rosbags.typesys import Stores, get_typestore
 
-    for prefix in filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)):
-        if (text := _gathered(name, partial(_file, Path(prefix)))) is not None:
-            yield text, prefix
+    given, installed = places()
+    yield from definitions_in((*given, *installed), name)
     for release, types in candidates(topic, name.removesuffix("Message"), told):
-        if (text := _gathered(name, partial(_shipped, types))) is not None:
+        if (text := gathered(name, partial(_shipped, types))) is not None:
             yield text, f"{name.partition('/')[0]} of {release}"
     if name.startswith(f"{PACKAGE}/") and name in typestore(2).fielddefs:
         yield definition(name, 2), "robophm"
     for distribution in DISTRIBUTIONS if newest or told else DISTRIBUTIONS[::-1]:
         store = get_typestore(Stores[distribution])
         if name in store.fielddefs:
-            yield _generated(store, name), f"ROS 2 {distribution.removeprefix('ROS2_').title()}"
-
-
-def _generated(store: Typestore, name: str) -> str:
-    return str(store.generate_msgdef(name, ros_version=2)[0])
-
-
-def _gathered(name: str, own: Callable[[str], str | None]) -> str | None:
-    """The texts of a type and of all types in it, those that ``own`` has not by rosbags; None where it has not this."""
-    from rosbags.interfaces import Nodetype
-    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-
-    texts: dict[str, str] = {}
-    waiting = [name]
-    others: Typestore | None = None
-    while waiting:
-        part = waiting.pop()
-        if part in texts:
-            continue
-        text = own(part)
-        if text is None:
-            if not texts:
-                return None
-            others = others or get_typestore(Stores.LATEST)
-            if part not in others.fielddefs:
-                continue  # compiling it says so
-            text = _generated(others, part).partition("\n" + "=" * 80)[0]
-        texts[part] = text
-        if len(texts) > MOST_PARTS:
-            return None
-        try:
-            fields = get_types_from_msg(text, part)[part][1]
-        except Exception:  # whatever the parser raises: compiling it says what is wrong
-            continue
-        for _, (node, detail) in fields:
-            inner: Any = detail[0] if node in (Nodetype.ARRAY, Nodetype.SEQUENCE) else (node, detail)
-            if inner[0] == Nodetype.NAME:
-                waiting.append(inner[1])
-    return _SEPARATOR.join([texts[name], *(f"{part}\n{texts[part]}" for part in texts if part != name)])
-
-
-def _file(prefix: Path, name: str) -> str | None:
-    """The text of one type in an installation."""
-    package, kind, last = name.split("/")
-    folder = prefix / "share" / package / kind
-    try:
-        if kind == "action":
-            return _of_action(folder, package, last)
-        path = folder / f"{last}.msg"
-        if path.stat().st_size <= LONGEST_FILE:
-            return path.read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        pass
-    return None
+            yield generated(store, name), f"ROS 2 {distribution.removeprefix('ROS2_').title()}"
 
 
 def _shipped(types: Mapping[str, Interface], name: str) -> str | None:
     """The text of one type in a release of a package that comes with robophm."""
     if name.endswith("_FeedbackMessage"):
-        return _feedback_message(name) if name.removesuffix("Message") in types else None
+        return feedback_message(name) if name.removesuffix("Message") in types else None
     return types[name].text if name in types else None
-
-
-def _feedback_message(name: str) -> str:
-    return f"unique_identifier_msgs/UUID goal_id\n{name.removesuffix('Message')} feedback\n"
-
-
-def _of_action(folder: Path, package: str, last: str) -> str | None:
-    """The feedback of an action as a type: rosidl makes it of the third part of the action's file."""
-    action, _, kind = last.partition("_")
-    if kind == "FeedbackMessage":
-        return _feedback_message(f"{package}/action/{last}")
-    path = folder / f"{action}.action"
-    if kind != "Feedback" or path.stat().st_size > LONGEST_FILE:
-        return None
-    parts = re.split(r"^---\s*$", path.read_text(encoding="utf-8", errors="replace"), flags=re.M)
-    # a type without its package is a message of the action's own
-    return re.sub(r"^([A-Z]\w*)(?=[\[\s])", rf"{package}/\1", parts[2], flags=re.M) if len(parts) == 3 else None

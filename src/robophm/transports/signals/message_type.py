@@ -6,7 +6,7 @@ import re
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 from keyword import iskeyword
 from operator import attrgetter, itemgetter
 from typing import TYPE_CHECKING, Any, cast
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import Reduction, any_element, steps_of
 from robophm.transports.signals.element_names import Field, Way, getter, namer_of, number
+from robophm.transports.signals.installed_definitions import definitions_in, places
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection, MessageDefinition
@@ -36,6 +37,15 @@ MOST_LINES = 2000
 _NUMBERS = {"bool", "byte", "char", "float32", "float64", "float128"} | {
     f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
 }
+_STAMPS = (
+    ("header.stamp.sec", "header.stamp.nanosec"), ("header.stamp.sec", "header.stamp.nsec"),
+    ("timestamp.seconds", "timestamp.nanos"), ("timestamp.sec", "timestamp.nsec"),
+)  # fmt: skip
+"""Fields in which a message says its time, the first in ROS, the last two in Foxglove's types."""
+
+_DESCRIBED = ("json", "protobuf")
+"""Encodings whose schemas other modules read."""
+
 _ONLY_IN_CDR = "structure_needs_at_least_one_member"
 _COMPILING = threading.Lock()
 """rosbags compiles in a module of one name: one after the other."""
@@ -48,53 +58,99 @@ class MessageType:
     name: str
     definitions: Typesdict
     """Every type of message that it is made of, by name, as rosbags holds them."""
-    packed: bool
-    """Whether messages are packed as ROS 1 writes them, without padding; otherwise they are CDR."""
+    encoding: str
+    """The way in which messages are written: ``cdr``, or ``ros1``, packed without padding, or one of others."""
     decode: Callable[[bytes], Any]
-    stamp: Callable[[Any], tuple[int, int]] | None
-    borrowed: bool
-    """Whether the recording does not define the type, so that Humble's is taken."""
-    store: Typestore
-    """Types that rosbags has compiled."""
+    stamp_fields: tuple[str, str] | None
+    """The fields with the seconds and nanoseconds of its time; None where it has none."""
+    borrowed: str
+    """The place from which its definition was taken, as the recording has none; empty where it has."""
+    store: Typestore | None
+    """Types that rosbags has compiled; None where it is of another encoding."""
     bounded: bool
     """A message decodes to no more than its bytes say; otherwise ``decode`` refuses: four bytes can say 4 billion."""
 
     @property
+    def packed(self) -> bool:
+        """Return whether messages are packed as ROS 1 writes them, without padding."""
+        return self.encoding == "ros1"
+
+    @cached_property
+    def stamp(self) -> Callable[[Any], tuple[int, int]] | None:
+        """Return the function that takes the seconds and nanoseconds of its time out of a message."""
+        if not self.stamp_fields:
+            return None
+        return attrgetter(*self.stamp_fields) if self.store else partial(_whole, attrgetter(*self.stamp_fields))
+
+    @property
     def types(self) -> dict[str, Any]:
-        """Return the classes that its messages are made of, by name."""
-        return cast(dict[str, Any], self.store.types)
+        """Return the classes that its messages are made of, by name; none where it is not of ROS."""
+        return cast(dict[str, Any], self.store.types) if self.store else {}
 
 
 def message_type(connection: Connection) -> MessageType:
     """Return the type by which a connection's messages are decoded. Raises SourceError where they cannot be."""
     encoding = getattr(connection.ext, "serialization_format", "ros1")
-    if encoding not in ("cdr", "ros1"):
-        raise SourceError(f"topic '{connection.topic}' is encoded as '{encoding}'; expected cdr or ros1")
+    if encoding not in ("cdr", "ros1", *_DESCRIBED):
+        expected = f"cdr, ros1, {' or '.join(_DESCRIBED)}"
+        raise SourceError(f"topic '{connection.topic}' is encoded as '{encoding}'; expected {expected}")
     try:
+        if encoding in _DESCRIBED:
+            return _described_type(connection.msgtype, connection.msgdef.data, encoding)
+        lies = places() if connection.msgdef.format.value == 0 else ((), ())
         with _COMPILING:
-            return _compiled_type(connection.msgtype, connection.msgdef, encoding)
+            return _compiled_type(connection.msgtype, connection.msgdef, encoding, lies)
+    except SourceError as error:
+        raise SourceError(f"topic '{connection.topic}' {error}") from None
     except Exception as error:  # the parser fails on definitions in many ways
         what = f"the definition of its type '{connection.msgtype}'"
         raise SourceError(f"topic '{connection.topic}': {what} is missing or damaged") from error
 
 
 @lru_cache(maxsize=256)
-def _compiled_type(name: str, definition: MessageDefinition, encoding: str) -> MessageType:
+def _compiled_type(
+    name: str, definition: MessageDefinition, encoding: str, lies: tuple[tuple[str, ...], tuple[str, ...]]
+) -> MessageType:
     """Types are compiled by definition, not by name: two files may define one name differently."""
-    store, borrowed = _typestore(name, definition)
+    store, borrowed = _typestore(name, definition, lies)
     if _size(store.fielddefs, name, {}) > LARGEST_TYPE:
         raise ValueError(f"over {LARGEST_TYPE} fields")
     store.get_msgdef(name)  # raises where a part of the definition is missing
     decode = store.deserialize_ros1 if encoding == "ros1" else store.deserialize_cdr
     stamped = any(field == "header" and part[1] == HEADER for field, part in store.fielddefs[name][1])
-    stamp = attrgetter("header.stamp.sec", "header.stamp.nanosec") if stamped else None
+    stamp = _STAMPS[0] if stamped else None
     bounded = not _bottomless(store.fielddefs)
     decoding = partial(decode, typename=name) if bounded else _refuse
-    return MessageType(name, store.fielddefs, encoding == "ros1", decoding, stamp, borrowed, store, bounded)
+    return MessageType(name, store.fielddefs, encoding, decoding, stamp, borrowed, store, bounded)
+
+
+@lru_cache(maxsize=256)
+def _described_type(name: str, schema: str, encoding: str) -> MessageType:
+    """The type that another encoding's schema, a byte a letter, describes."""
+    from robophm.transports.signals import json_messages, protobuf_messages
+
+    describing = {"json": json_messages.described, "protobuf": protobuf_messages.described}[encoding]
+    definitions, decode = describing(name, schema.encode("latin-1"))
+    if _size(definitions, name, {}) > LARGEST_TYPE:
+        raise SourceError(f"its schema has over {LARGEST_TYPE} fields")
+    known = {*numeric_fields(definitions, name)}
+    stamp = next((pair for pair in _STAMPS if known.issuperset(pair)), None)
+    return MessageType(name, definitions, encoding, decode, stamp, "", None, True)
+
+
+def _whole(times_of: Callable[[Any], tuple[float, float]], message: Any) -> tuple[int, int]:
+    """Seconds and nanoseconds as whole numbers; zero where the message has none."""
+    try:
+        seconds, nanoseconds = map(int, times_of(message))
+    except (ValueError, OverflowError):
+        return 0, 0
+    return seconds, nanoseconds
 
 
 def serialized(type_: MessageType, message: Any) -> bytes:
-    """Return the bytes of a message. Raises whatever rosbags raises where it is not of the type."""
+    """Return the bytes of a message of ROS. Raises whatever rosbags raises where it is not of the type."""
+    if not type_.store:
+        raise SourceError(f"messages of {type_.name} are not of ROS")
     serialize = type_.store.serialize_ros1 if type_.packed else type_.store.serialize_cdr
     return bytes(serialize(message, type_.name))
 
@@ -145,15 +201,17 @@ def _size(definitions: Typesdict, type_: str, known: dict[str, int]) -> int:
     return known[type_]
 
 
-def _typestore(name: str, definition: MessageDefinition) -> tuple[Typestore, bool]:
+def _typestore(
+    name: str, definition: MessageDefinition, lies: tuple[tuple[str, ...], tuple[str, ...]]
+) -> tuple[Typestore, str]:
+    """The types that a definition makes, and where it is from if it is not the recording's own."""
     from rosbags.interfaces import MessageDefinitionFormat as Format
     from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 
     if len(re.findall("[\n;]", definition.data)) > MOST_LINES:
         raise ValueError(f"over {MOST_LINES} lines")
     if definition.format is Format.NONE:
-        # only ROS 2 Humble and older record without definitions
-        return get_typestore(Stores.ROS2_HUMBLE), True
+        return _borrowed(name, lies)
     store = get_typestore(Stores.EMPTY)
     if definition.format is Format.MSG:
         store.register(get_types_from_msg(definition.data, name))
@@ -163,7 +221,29 @@ def _typestore(name: str, definition: MessageDefinition) -> tuple[Typestore, boo
             store.register(get_types_from_idl(part.partition("\n")[2]))
         if len(parts) == 1:
             store.register(get_types_from_idl(parts[0]))
-    return store, False
+    return store, ""
+
+
+def _borrowed(name: str, lies: tuple[tuple[str, ...], tuple[str, ...]]) -> tuple[Typestore, str]:
+    """The types that make up one without a definition, which only ROS 2 Humble and older record, and where they lie.
+
+    Folders that were given are asked first, then what Humble brings, then installations.
+    """
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    given, installed = lies
+    humble = get_typestore(Stores.ROS2_HUMBLE)
+    for prefixes in (given, () if name in humble.fielddefs else installed):
+        for text, origin in definitions_in(prefixes, name):
+            store = get_typestore(Stores.EMPTY)
+            store.register(get_types_from_msg(text, name))
+            return store, origin
+    if name not in humble.fielddefs:
+        raise SourceError(
+            f"has the type '{name}', whose definition is missing: the recording has none; expected its .msg file, "
+            "`robophm --messages FOLDER`"
+        )
+    return humble, "ROS 2 Humble"
 
 
 def numeric_fields(definitions: Typesdict, type_: str, prefix: str = "") -> Iterator[str]:

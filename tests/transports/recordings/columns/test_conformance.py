@@ -1,12 +1,14 @@
 """What the specification of MCAP leaves to a writer, in all combinations: each is read, and none is called damaged.
 
-The variants are those of the conformance suite (mcap.dev/spec, github.com/foxglove/mcap, tests/conformance): chunks,
-indices, statistics, repeated schemas and channels, offsets of the summary, checksums, attachments, metadata, records
-longer than known. They are written here by the library mcap; what it makes no longer than it must, is made so here.
+The files of the conformance suite itself are made anew by ``conformance.py``. The same variants (chunks, indices,
+statistics, repeated schemas and channels, offsets of the summary, checksums, attachments, metadata, records longer than
+known) with several topics and chunks are written by the library mcap; what it makes no longer than it must, is made so
+here.
 """
 
 from __future__ import annotations
 
+import hashlib
 import itertools
 import struct
 import zlib
@@ -16,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from mcap.reader import NonSeekingReader
 from mcap.writer import CompressionType, IndexType, Writer
 
 from robophm.core.errors import SourceError
@@ -23,11 +26,39 @@ from robophm.transports.recordings.columns import read_columns, recorded_topics
 from robophm.transports.recordings.opening import open_source
 
 from ..made import T0
+from . import conformance
 from .fuzz.mutate import mcap_records
+
+SUITE = "eabcfbf8e6525dd4022cb979a3d1793443a31f427cc163be4ddb98e295cd8d01"
+"""SHA-256 of the names and SHA-256 of the suite's 416 files as its repository states them, a line each, sorted."""
 
 HOLDS = {"nothing": 0, "a message": 1, "ten messages": 10}
 FLAGS = ("use_chunking", "use_statistics", "repeat_schemas", "repeat_channels", "use_summary_offsets", "enable_crcs")
 INDICES = (IndexType.MESSAGE, IndexType.CHUNK, IndexType.ATTACHMENT, IndexType.METADATA)
+
+
+def test_the_suite_itself(tmp_path: Path) -> None:
+    files = {name: (content, raw) for name, content, raw in conformance.variants()}
+    digests = {name: hashlib.sha256(raw).hexdigest() for name, (_, raw) in files.items()}
+    assert (
+        hashlib.sha256("".join(f"{name} {digests[name]}\n" for name in sorted(digests)).encode()).hexdigest() == SUITE
+    )
+    assert len(files) == 416
+    path = tmp_path / "x.mcap"
+    for content, raw in files.values():
+        path.write_bytes(raw)
+        if not content.messages:
+            with pytest.raises(SourceError, match=f"{path.name}: holds no messages"):
+                open_source(path)
+            continue
+        columns = read_columns(path, [], topics=["example"])
+        received = [time for block in columns for time in block["example"].received.tolist()]
+        assert received == [one.log_time for _, _, one in NonSeekingReader(BytesIO(raw)).iter_messages()]
+        assert not columns.notes
+        with open_source(path) as source:
+            (info,) = source.topics()
+            assert (info.messages, info.first, info.last) == (len(received), received[0], received[-1])
+            assert not source.notes
 
 
 def variants() -> Iterator[tuple[dict[str, bool], IndexType, bool]]:

@@ -149,7 +149,7 @@ class _Source:
             except SourceError as error:
                 raise SourceError(f"{self._file.path}: {error}") from error
             if type_.borrowed:
-                self._notes[f"definition of {type_.name} taken from ROS 2 Humble"] += 1
+                self._notes[f"definition of {type_.name} taken from {type_.borrowed}"] += 1
             try:
                 return ColumnDecoder(type_, connection.topic, fields, self._notes, self._names)
             except SourceError as error:

@@ -20,8 +20,6 @@ from robophm.transports.recordings.columns.topic_columns import TopicColumns, be
 from robophm.transports.signals.element_names import Names, NotNamedError, Way, name_getter
 from robophm.transports.signals.message_type import MessageType, field_getter, ways_to
 
-_STAMP = ("header.stamp.sec", "header.stamp.nanosec")
-
 
 @dataclass(frozen=True)
 class _Labels:
@@ -77,7 +75,7 @@ class _Recipe:
 @lru_cache(maxsize=256)
 def _recipe(type_: MessageType, fields: tuple[str, ...]) -> _Recipe:
     """Raises SourceError where the type has no such fields."""
-    stamps = _STAMP if type_.stamp else ()
+    stamps = type_.stamp_fields or ()
     paths = tuple(dict.fromkeys((*stamps, *fields)))
     getters = [field_getter(type_.definitions, type_.name, path) for path in paths]
     ways = {field: ways_to(type_.definitions, type_.name, field) for field in fields}
@@ -172,6 +170,8 @@ class ColumnDecoder:
                 with np.errstate(invalid="ignore"):  # of a signalling NaN, in a damaged message
                     column[row] = getter(message)
                 missing[row] = False
+            except (ValueError, OverflowError):  # a stamp that is no whole number is none
+                missing[row] = True
             except IndexError as error:
                 missing[row] = True
                 if isinstance(error, NotNamedError):

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 SCHEMA, CHANNEL = 3, 4
 """Opcodes of records."""
 
+_SCHEMAS = {"json": "jsonschema", "protobuf": "protobuf"}
+"""The language of schemas by the encoding of messages that are not of ROS."""
+
 Schemas = dict[int, tuple[str, str, bytes]]
 """Name, language and text of each."""
 
@@ -101,8 +104,12 @@ def connections_of(schemas: Schemas, channels: Channels) -> list[Connection]:
         name, language, data = schemas.get(schema, ("", "", b""))
         format_ = formats.get(language, Format.NONE)
         definition = MessageDefinition(format_, data.decode(errors="replace") if format_.value else "")
+        if encoding in _SCHEMAS:  # a byte a letter: a definition is a text
+            definition = MessageDefinition(
+                Format.NONE, data.decode("latin-1") if _SCHEMAS[encoding] == language else ""
+            )
         try:
-            name = normalize_msgtype(name) if name else ""
+            name = normalize_msgtype(name) if name and encoding not in _SCHEMAS else name
         except Exception:  # said when the topic is asked for
             definition = MessageDefinition(Format.MSG, "")
         connections.append(Connection(id_, topic, name, definition, "", 0, ConnectionExtRosbag2(encoding, []), None))

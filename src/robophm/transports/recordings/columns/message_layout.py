@@ -55,6 +55,8 @@ def compile_fields(type_: MessageType, fields: tuple[str, ...]) -> Program:
 
     Raises NotCompilableError where rosbags has to decode the messages.
     """
+    if type_.encoding not in ("cdr", "ros1"):
+        raise NotCompilableError
     wanted: dict[tuple[str, Element | None], Any] = {}
     labels: dict[str, str] = {}
     for slot, field in enumerate(fields):

@@ -24,6 +24,7 @@ from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND, Reduction, Sample, any_element, reduction_of, split_signal
 from robophm.transports.recordings.files import reading
 from robophm.transports.recordings.format import SampleFormat
+from robophm.transports.recordings.table_heading import heading_of
 from robophm.transports.recordings.text import TextSource
 from robophm.transports.signals.array_reduction import reduced
 from robophm.transports.signals.source import TopicInfo
@@ -42,19 +43,13 @@ class CsvRecording(TextSource):
     """
 
     def _signals(self) -> frozenset[str]:
-        _, header = next(self._rows(), (1, [""]))
-        if header[0] != "time":
-            raise SourceError(f"{self.path}, line 1: first column is '{header[0]}'; expected 'time' and commas")
+        rows = self._rows()
+        _, header = next(rows, (1, [""]))
         if len(header) > MOST_COLUMNS:
             raise SourceError(f"{self.path}, line 1: {len(header)} columns; at most {MOST_COLUMNS} are read")
-        self._columns = header[1:]
-        for number, name in enumerate(self._columns, 2):
-            try:
-                split_signal(name)
-            except SourceError as error:
-                raise SourceError(f"{self.path}, line 1, column {number}: {error}") from None
-            if name in header[: number - 1]:
-                raise SourceError(f"{self.path}, line 1, column {number}: '{name}' is there twice")
+        self._width = len(header)
+        self._heading = heading_of(self.path, header, next(rows, (2, []))[1])
+        self._columns = [*self._heading.signals.values()]
         if next(self._samples(), None) is None:
             raise SourceError(f"{self.path}: holds no values")
         return frozenset(self._columns)
@@ -115,16 +110,16 @@ class CsvRecording(TextSource):
 
     def _values(self) -> Iterator[tuple[int, dict[str, float]]]:
         """The time of each row and the values of its cells, by signal in order of their names."""
-        order = sorted(range(len(self._columns)), key=self._columns.__getitem__)
-        columns = [(self._columns[index], index + 1) for index in order]
+        columns = sorted((signal, index) for index, signal in self._heading.signals.items())
+        self.notes.update(self._heading.notes)
         rows = self._rows()
         next(rows)
         previous: int | None = None
         for line, cells in rows:
-            if len(cells) != len(columns) + 1:
-                raise SourceError(f"{self.path}, line {line}: {len(cells)} cells; expected {len(columns) + 1}")
+            if len(cells) != self._width:
+                raise SourceError(f"{self.path}, line {line}: {len(cells)} cells; expected {self._width}")
             try:
-                time = parse_time(cells[0])
+                time = parse_time(cells[0], self._heading.unit)
             except ValueError as error:
                 raise SourceError(f"{self.path}, line {line}, column 1 (time): {error}") from None
             if previous is not None and time < previous:
@@ -141,8 +136,9 @@ class CsvRecording(TextSource):
             yield time, row
 
 
-def parse_time(text: str) -> int:
-    """Return the time [ns since the epoch] of decimal seconds or an ISO 8601 date and time, to the nearest nanosecond.
+def parse_time(text: str, unit: Decimal = Decimal(SECOND)) -> int:
+    """Return the time [ns since the epoch] of a number of units [ns], or an ISO 8601 date and time, to the nearest
+    nanosecond.
 
     Raises ValueError where it is neither, or beyond what 64 bits hold.
     """
@@ -158,12 +154,13 @@ def parse_time(text: str) -> int:
         if moment.tzinfo is None:
             moment = moment.replace(tzinfo=UTC)
         seconds = (moment - _EPOCH) // timedelta(seconds=1) + Decimal(f"0.{fraction[1]}" if fraction else 0)
-    if not (seconds.is_finite() and abs(seconds) < 2**63 // SECOND):
+        unit = Decimal(SECOND)
+    if not (seconds.is_finite() and abs(seconds) < (2**63 // SECOND) * (SECOND // unit)):
         raise ValueError(f"'{text}' is out of range; expected seconds or ISO 8601")
-    return round(seconds * SECOND)
+    return round(seconds * unit)
 
 
-_HEADING = re.compile(rb'(\xef\xbb\xbf)?time,"?/')
+_HEADING = re.compile(rb'(\xef\xbb\xbf)?(time,"?/|__time,|%time,field\.|timestamp,[a-z_]+,)')
 """The beginning of a table as ``robophm data export`` and others write it; any other table is told by its suffix."""
 
 FORMAT = SampleFormat((".csv",), lambda head: _HEADING.match(head) is not None, CsvRecording, in_folders=False)

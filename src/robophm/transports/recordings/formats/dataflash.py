@@ -14,7 +14,7 @@ import re
 from array import array
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from mmap import mmap
 from operator import itemgetter
 from typing import Any
@@ -119,9 +119,14 @@ class DataFlashRecording(LoggedRecording):
     Raises SourceError where it is none, or larger than 1 GiB; EmptyError where it has no message.
     """
 
-    def _read(self, topics: Collection[str] | None) -> dict[str, LoggedTopic]:
+    @cached_property
+    def _kinds(self) -> tuple[list[_Kind], int]:
+        """The kinds of messages with their places, and how many bytes belong to no message."""
         with mapped(self.path) as memory:
-            kinds, lost = _gone_through(memory)
+            return _gone_through(memory)
+
+    def _read(self, topics: Collection[str] | None) -> dict[str, LoggedTopic]:
+        kinds, lost = self._kinds
         content: Bytes = np.memmap(self.path, np.uint8, "r")
         if lost:
             self.notes.update({DAMAGED: 1, "bytes of a log that belong to no message": lost})

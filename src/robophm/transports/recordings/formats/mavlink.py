@@ -61,10 +61,16 @@ class MavlinkRecording(LoggedRecording):
     Raises SourceError where it is none, larger than 1 GiB, or pymavlink is missing; EmptyError where it has no message.
     """
 
-    def _read(self, topics: Collection[str] | None) -> dict[str, LoggedTopic]:
+    @cached_property
+    def _messages(self) -> tuple[dict[Sender, array[int]], int, dict[int, int]]:
+        """Where the messages of each sender lie, how many bytes belong to none, and how many messages nobody knows."""
         dialect = _dialect(self.path)
         with mapped(self.path) as memory:
-            places, lost, unknown = _gone_through(memory, dialect)
+            return _gone_through(memory, dialect)
+
+    def _read(self, topics: Collection[str] | None) -> dict[str, LoggedTopic]:
+        dialect = _dialect(self.path)
+        places, lost, unknown = self._messages
         if lost:
             self.notes.update({DAMAGED: 1, "bytes of a log that belong to no message": lost})
         self.notes.update({f"message of a kind that is not known: {id_}": count for id_, count in unknown.items()})
@@ -87,7 +93,7 @@ class _Messages:
         self._content = content
         self._places = places
 
-    def part(self, rows: NDArray[np.bool_]) -> _Messages:
+    def part(self, rows: NDArray[np.int64]) -> _Messages:
         """Some of them."""
         return _Messages(self._kind, self._content, self._places[rows])
 
@@ -143,10 +149,11 @@ def _of_instances(name: str, kind: Any, messages: _Messages) -> Iterator[tuple[s
     if not kind.instance_field:
         yield name, messages
         return
-    told = messages.values(kind.instance_field)
-    for instance in np.unique(told).tolist():
+    told, which, counts = np.unique(messages.values(kind.instance_field), return_inverse=True, return_counts=True)
+    rows = np.split(np.argsort(which, kind="stable"), np.cumsum(counts)[:-1])
+    for instance, own in zip(told.tolist(), rows, strict=True):
         text = instance.decode("latin-1") if isinstance(instance, bytes) else str(instance or "")
-        yield f"{name}_{_NO_TOPIC.sub('_', text)}" if text else name, messages.part(told == instance)
+        yield f"{name}_{_NO_TOPIC.sub('_', text)}" if text else name, messages.part(own)
 
 
 def _gone_through(memory: mmap, dialect: Any) -> tuple[dict[Sender, array[int]], int, dict[int, int]]:

@@ -1,0 +1,118 @@
+"""Messages that are not of ROS, made what rosbags makes of those: plain objects, by definitions of the same form."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import make_dataclass
+from keyword import iskeyword
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from robophm.core.errors import SourceError
+
+LONGEST_MESSAGE = 1 << 24
+"""Bytes of a message beyond which it is not decoded: all of it is made Python's objects, which are larger."""
+
+MOST_TYPES = 2000
+"""Messages within messages, of one type, beyond which its schema is taken to be damaged."""
+
+Definitions = dict[str, Any]
+"""Types of messages by name, as rosbags holds them: constants, and fields with what each is."""
+
+_NAME = re.compile(r"(?!__)[A-Za-z_][A-Za-z0-9_]*\Z")
+
+
+class Described(NamedTuple):
+    """A type of messages as its schema describes it."""
+
+    definitions: Definitions
+    decode: Callable[[bytes], Any]
+    """Function that makes a message of bytes. It raises ValueError, or what its library raises, where they are none."""
+
+
+class Shape(NamedTuple):
+    """A field of a message: a number or text by the name of its type, or a message by its own."""
+
+    type: str
+    message: bool
+    many: bool
+    """Whether it is an array of any length."""
+
+
+def definition(shapes: Mapping[str, Shape]) -> Any:
+    """Return the fields of one type of message in rosbags' form; those whose names cannot be asked for are left out."""
+    from rosbags.interfaces import Nodetype
+
+    fields = []
+    for name, shape in shapes.items():
+        node: Any = (Nodetype.NAME, shape.type) if shape.message else (Nodetype.BASE, (shape.type, 0))
+        if _NAME.match(name):
+            fields.append((name, (Nodetype.SEQUENCE, (node, 0)) if shape.many else node))
+    return [], fields
+
+
+class PlainMessages:
+    """Makes plain objects of what a library decodes; ``value_of`` takes one field out of that, None where it is not
+    there.
+
+    A number that is not there, or none, is NaN, a text is empty, an array too; a message has all its fields so.
+    """
+
+    def __init__(self, definitions: Definitions, value_of: Callable[[Any, str], Any]) -> None:
+        self._definitions = definitions
+        self._value_of = value_of
+        self._classes = {
+            name: make_dataclass(
+                re.sub(r"\W", "_", name), [_attribute(field) for field, _ in fields], slots=True, eq=False
+            )
+            for name, (_, fields) in definitions.items()
+        }
+
+    def of(self, name: str, decoded: Any) -> Any:
+        """Return the object of a message of this type; of None the one of a message that is not there."""
+        found = []
+        for field, node in self._definitions[name][1]:
+            value = None if decoded is None else self._value_of(decoded, field)
+            found.append(self._made(node, value))
+        return self._classes[name](*found)
+
+    def _made(self, node: Any, value: Any) -> Any:
+        from rosbags.interfaces import Nodetype
+
+        kind, detail = node
+        if kind == Nodetype.NAME:
+            return self.of(detail, value)
+        if kind == Nodetype.BASE:
+            return _text(value) if detail[0] == "string" else _number(value)
+        inner = detail[0]
+        elements: Sequence[Any] = () if value is None or isinstance(value, str | Mapping | float | int) else value
+        if inner[0] == Nodetype.BASE and inner[1][0] != "string":
+            return np.array([_number(one) for one in elements], np.float64)
+        return [self._made(inner, one) for one in elements]
+
+
+def _attribute(field: str) -> str:
+    return field + "_" * iskeyword(field)
+
+
+def _number(value: Any) -> float:
+    return value if isinstance(value, int | float) else math.nan
+
+
+def _text(value: Any) -> str:
+    return value if isinstance(value, str) else ""
+
+
+def check_length(raw: bytes) -> None:
+    """Raise ValueError where a message is longer than is decoded."""
+    if len(raw) > LONGEST_MESSAGE:
+        raise ValueError(f"{len(raw)} bytes; at most {LONGEST_MESSAGE} are decoded")
+
+
+def check_types(definitions: Definitions) -> None:
+    """Raise SourceError where a type is made of more types than there may be."""
+    if len(definitions) > MOST_TYPES:
+        raise SourceError(f"its schema has over {MOST_TYPES} messages within messages")

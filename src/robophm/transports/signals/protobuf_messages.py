@@ -1,0 +1,75 @@
+"""Messages of Protocol Buffers, whose types a FileDescriptorSet describes (robophm[protobuf]).
+
+A field that can be told to be missing is then no number; any other has its default, as the encoding says. Maps, bytes,
+and messages within themselves are left out.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from robophm.core.errors import SourceError
+from robophm.transports.signals.plain_messages import (
+    Definitions,
+    Described,
+    PlainMessages,
+    Shape,
+    check_length,
+    check_types,
+    definition,
+)
+
+_TYPES = {
+    "DOUBLE": "float64", "FLOAT": "float32", "BOOL": "bool", "ENUM": "int32", "STRING": "string", "INT32": "int32",
+    "SINT32": "int32", "SFIXED32": "int32", "UINT32": "uint32", "FIXED32": "uint32", "INT64": "int64",
+    "SINT64": "int64", "SFIXED64": "int64", "UINT64": "uint64", "FIXED64": "uint64",
+}  # fmt: skip
+
+
+def described(name: str, schema: bytes) -> Described:
+    """Return the type of messages that a FileDescriptorSet describes. Raises SourceError."""
+    try:
+        from google.protobuf import descriptor, descriptor_pb2, descriptor_pool, message_factory
+    except ImportError:
+        raise SourceError("needs protobuf; install it with `pip install 'robophm[protobuf]'`") from None
+    letters = {getattr(descriptor.FieldDescriptor, f"TYPE_{kind}"): type_ for kind, type_ in _TYPES.items()}
+    pool = descriptor_pool.DescriptorPool()
+    for file in descriptor_pb2.FileDescriptorSet.FromString(schema).file:
+        pool.Add(file)
+    root = pool.FindMessageTypeByName(name)
+    definitions: Definitions = {}
+    _define(root, letters, definitions, ())
+    plain = PlainMessages(definitions, _value_of)
+    parsed = message_factory.GetMessageClass(root).FromString
+
+    def decode(raw: bytes) -> Any:
+        check_length(raw)
+        return plain.of(root.full_name, parsed(raw))
+
+    return Described(definitions, decode)
+
+
+def _define(type_: Any, letters: dict[int, str], definitions: Definitions, around: tuple[str, ...]) -> None:
+    """Define a type and those within it; ``around`` are the types that it is in."""
+    if type_.full_name in definitions:
+        return
+    definitions[type_.full_name] = [], []
+    check_types(definitions)
+    around = (*around, type_.full_name)
+    shapes = {}
+    for field in type_.fields:
+        inner = field.message_type
+        many = bool(field.is_repeated)
+        if field.type in letters:
+            shapes[field.name] = Shape(letters[field.type], False, many)
+        elif inner and inner.full_name not in around and not inner.GetOptions().map_entry:
+            _define(inner, letters, definitions, around)
+            shapes[field.name] = Shape(inner.full_name, True, many)
+    definitions[type_.full_name] = definition(shapes)
+
+
+def _value_of(message: Any, field: str) -> Any:
+    known = message.DESCRIPTOR.fields_by_name[field]
+    if known.has_presence and not message.HasField(field):
+        return None
+    return getattr(message, field)
