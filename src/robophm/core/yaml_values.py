@@ -27,8 +27,8 @@ def values(text: str, name: str) -> tuple[Any, Lines]:
     try:
         root = compose(text)
     except MarkedYAMLError as error:
-        line = error.problem_mark.line + 1 if error.problem_mark else 1
-        raise DesignError(f"{name}:{line}: is not YAML: {error.problem}") from None
+        line, column = (error.problem_mark.line, error.problem_mark.column) if error.problem_mark else (0, 0)
+        raise DesignError(f"{name}:{line + 1}: is not YAML: {error.problem}, in column {column + 1}") from None
     except (YAMLError, ValueError) as error:
         raise DesignError(f"{name}: is not YAML: {str(error).splitlines()[0]}") from None
     except RecursionError:

@@ -45,7 +45,7 @@ def check(text: str) -> CheckResult:
     except DesignError as error:
         line = str(error).removeprefix("design:").partition(":")[0]
         return CheckResult({}, None, (Problem("error", (), _said(str(error)), int(line) if line.isdigit() else None),))
-    robot, wrong = _built(document, lines)
+    robot, wrong = built(document, lines)
     odd = _odd(robot, lines) if robot else ()
     return CheckResult(document, robot, tuple([*wrong, *odd][:MOST_PROBLEMS]))
 
@@ -56,7 +56,8 @@ def _said(text: str) -> str:
     return rest if colon and (first.isdigit() or not first) else text
 
 
-def _built(document: dict[str, Any], lines: Lines) -> tuple[Robot | None, list[Problem]]:
+def built(document: dict[str, Any], lines: Lines) -> tuple[Robot | None, list[Problem]]:
+    """Return the robot of a document, or the mistakes for which there is none, with lines where these are known."""
     from pydantic import ValidationError
 
     from robophm.design.build import build

@@ -67,7 +67,6 @@ def reasons(found: Explanation) -> Iterator[str]:
             yield "  a sensor of it is silent: its figures rest on that"
         if part.relieved is not None:
             change = f"{duration_text(part.relieved)} instead of {duration_text(found.median)}"
-            helps = (
-                f"; back at its design stress, median remaining life {change}" if part.relieved > found.median else ""
-            )
+            gains = part.relieved > found.median and duration_text(part.relieved) != duration_text(found.median)
+            helps = f"; back at its design stress, median remaining life {change}" if gains else ""
             yield f"  it ages {pace_text(part.pace)}{helps}"

@@ -124,6 +124,14 @@ class TaskWords(Shape):
     duration: float
 
 
+class Reason(Shape):
+    """A line that says what lies behind the health of a robot."""
+
+    text: str
+    detail: bool
+    """Whether it belongs to the line above."""
+
+
 class Health(Shape):
     """The health of the robot as it is known now."""
 
@@ -135,8 +143,8 @@ class Health(Shape):
     """Reasons for the state, in words."""
     sentence: str
     """How long the robot works on, and what decides that; empty before it has been worked out."""
-    reasons: list[str]
-    """Lines that say what lies behind the sentence; what belongs to the line above begins with two blanks."""
+    reasons: list[Reason]
+    """Lines that say what lies behind the sentence."""
     design_changed: bool
     """Whether the design has been changed since monitoring began."""
     time: float | None
@@ -174,7 +182,7 @@ def health_of(
         state=state,
         why=[*told, *seen.warnings, *seen.system.marks],
         sentence=sentence(lives, why) if lives and why else "",
-        reasons=list(reasons(why)) if why else [],
+        reasons=[Reason(text=one.strip(), detail=one.startswith(" ")) for one in reasons(why)] if why else [],
         design_changed=design_changed,
         time=report.time / SECOND if report.time is not None else None,
         samples=run.samples if run else 0,

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 from fastapi import Depends, Request
 
 from robophm.core.errors import DesignError, RobophmError
+from robophm.design.drawable import drawable
 from robophm.design.identities import identities
 from robophm.design.identity_edits import NOTHING, Lived
 from robophm.design.problems import Problem as Found
@@ -107,6 +108,16 @@ class Service:
             first = checked.problems[0]
             raise DesignError(f"{'/'.join(first.place) or 'the design'}: {first.message}")
         return self._shelf.of(checked.robot)
+
+    def to_draw(self) -> tuple[PreparedRobot, list[str]]:
+        """Return the robot to be drawn, and what is wrong in it, drawn without a rate. Raises DesignError."""
+        text = self.workspace.draft().text
+        checked = self.workspace.checked.of(text)
+        robot = None if checked.robot else drawable(text)
+        if robot is None:
+            return self.prepared(), []
+        wrong = [one for one in checked.problems if one.level == "error"]
+        return self._shelf.of(robot), [f"{'/'.join(one.place)}: {one.message}" for one in wrong]
 
     def watch(self, source: str, speed: float) -> None:
         """Begin to watch the robot of the design now, from a source by its name, until it is stopped.

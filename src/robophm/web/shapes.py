@@ -323,6 +323,8 @@ class Drawing(Shape):
     notes: list[str]
     words: str
     """Drawing as words for a reader."""
+    wrong: list[str] = []
+    """Mistakes of a design that is no valid one, what is wrong being drawn without its rate; none of a valid one."""
 
 
 DesignState.model_rebuild()

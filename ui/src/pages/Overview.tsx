@@ -57,7 +57,7 @@ function Figures({ health }: { health: Health }): ReactNode {
         <details className="answer">
           <summary>{health.sentence}</summary>
           {health.reasons.map((line, i) => (
-            <p key={i} className={line.startsWith("  ") ? "small behind" : ""}>{line.trim()}</p>
+            <p key={i} className={line.detail ? "small behind" : ""}>{line.text}</p>
           ))}
         </details>
       )}
@@ -69,7 +69,7 @@ function Figures({ health }: { health: Health }): ReactNode {
         </div>
       )}
       {left && <p className="small">{left.sentence}.</p>}
-      {health.design_changed && <p className="quiet">The design has been changed since watching began: stop and start to use it.</p>}
+      {health.design_changed && <p className="quiet">The design has been changed since watching began: stop and start to use it. Its past goes on.</p>}
       <div className="cards">
         <Figure tone={tone} name="Reliability R(t)" value={marked(left, "reliability", percentText(lived.reliability, lived.unreliability))} rows={[
           ["nominal", marked(left, "reliability", percentText(nominal.reliability, nominal.unreliability))],

@@ -149,12 +149,14 @@ def get_part_text(service: Served, path: Annotated[list[str] | None, Query(max_l
     from robophm.web.workspace import dump, load
 
     draft = service.workspace.draft()
+    if not path:  # all of it, also where it is no YAML and is to be mended
+        return DesignText(revision=draft.revision, text=draft.text)
     here = load(draft.text)
-    for key in path or ():
+    for key in path:
         try:
             here = here[int(key)] if isinstance(here, list) else here[key]
         except (KeyError, ValueError, IndexError, TypeError):
-            raise LocatedError(tuple(path or ()), "there is nothing at this place") from None
+            raise LocatedError(tuple(path), "there is nothing at this place") from None
     return DesignText(revision=draft.revision, text=dump(here).removesuffix("...\n"))
 
 
@@ -167,7 +169,9 @@ def get_drawing(
     whole: bool = False,
 ) -> Drawing:
     """The block diagram of a level, laid out."""
-    return drawing(service.prepared(), path, width, unit, whole=whole)
+    prepared, wrong = service.to_draw()
+    found = drawing(prepared, path, width, unit, whole=whole)
+    return found.model_copy(update={"wrong": wrong})
 
 
 def apply(document: Any, operation: Operation, lived: Lived = NOTHING) -> None:

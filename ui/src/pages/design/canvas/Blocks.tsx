@@ -101,10 +101,6 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
   const busy = !wrong && (drawn !== wanted || fitted !== drawing);
   useEffect(() => {
     const asked = new AbortController();
-    if (!design?.valid) {
-      setWrong("The diagram is drawn as soon as the design is complete.");
-      return;
-    }
     if (!width) return;
     get("/api/design/drawing", { path: level, width: whole ? Math.max(width, 1200) : width, unit, whole }, asked.signal)
       .then((found) => {
@@ -112,9 +108,12 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
         setDrawn(wanted);
         setWrong("");
       })
-      .catch((error: unknown) => !asked.signal.aborted && setWrong(error instanceof Error ? error.message : String(error)));
+      .catch((error: unknown) => {
+        const why = error instanceof Error ? error.message : String(error);
+        if (!asked.signal.aborted) setWrong(design?.valid ? why : `The diagram is drawn as soon as this is mended: ${why}`);
+      });
     return () => asked.abort();
-  }, [wanted, design?.valid]);
+  }, [wanted]);
 
   useEffect(() => {
     if (!drawing) return;
@@ -183,6 +182,12 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
 
   return (
     <div className="canvas" ref={host} onKeyDown={keys} aria-busy={busy}>
+      {!wrong && !!drawing?.wrong?.length && (
+        <p className="trouble small" role="status">
+          Drawn without the rate of what is wrong: {drawing.wrong[0]}
+          {drawing.wrong.length > 1 && ` (and ${drawing.wrong.length - 1} more)`}
+        </p>
+      )}
       {wrong ? (
         <div className="empty" role="status">
           <p>{wrong}</p>
