@@ -13,6 +13,7 @@ from robophm.core.errors import SourceError
 from robophm.transports.ros2_dds import definition
 from robophm.transports.ros2_dds.definition import known
 from robophm.transports.ros2_dds.interfaces import PX4_RELEASE, releases
+from robophm.transports.signals.installed_definitions import gathered
 from robophm.transports.signals.source import LiveSource, WholeMessage
 from robophm.transports.tasks import DoneTask, PlannedTask
 from robophm.transports.tasks.listener import TaskTopics, topics_to_hear
@@ -94,7 +95,7 @@ def test_every_definition_is_whole(package: str) -> None:
     hashes: dict[tuple[str, str], set[str]] = {}
     for release, types in releases(package).items():
         for name, own in types.items():
-            text = definition._gathered(name, partial(definition._shipped, types))
+            text = gathered(name, partial(definition._shipped, types))
             assert text is not None
             found = definition._compiled("/x", name, text, release)
             if not any("/" in line.split()[0] for line in own.text.splitlines()):

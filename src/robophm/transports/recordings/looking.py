@@ -87,7 +87,7 @@ def columns_of(paths: Sequence[Path], signals: Collection[str], topics: Iterable
 
 
 def _holds_samples(path: Path) -> bool:
-    return not path.is_dir() and isinstance(recognised(path), SampleFormat)
+    return not path.is_dir() and isinstance(recognised(path).kind, SampleFormat)
 
 
 def _parts(paths: Sequence[Path]) -> list[list[Path]]:
