@@ -39,6 +39,10 @@ def command(
     rows = [_row(one) for one in heard]
     out = console()
     print_table(out, table(f"{len(rows)} topics", ["topic", "type", "per s", "last values"], rows, figures=(2,)))
+    if not rows:
+        warn(f"nothing is published at {opened.source.place}")
+        for hint in opened.source.hidden_by():
+            warn(hint, "hint")
     for line in said({what: count for what, count in notes.items() if not ordinary(what)}):
         warn(line)
 

@@ -127,6 +127,10 @@ def run(design: Path, asked: Watched) -> bool:
         ends += [source.stop, source.close]
         print(opened.said, file=sys.stderr)
         published = {info.topic: (info.type, info.fields) for info in source.topics()}
+        if not published:
+            warn(f"nothing is published yet at {source.place}")
+            for hint in source.hidden_by():
+                warn(hint, "hint")
         lacks = missing_signals(robot, published)
         not_yet = "nobody publishes yet" if opened.source.announced else "nothing was heard yet on"
         for words in dict.fromkeys(lacks.values()):
