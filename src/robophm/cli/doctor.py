@@ -12,6 +12,7 @@ from pathlib import Path
 from robophm.cli import INVALID
 from robophm.cli.shared.options import Json
 from robophm.cli.shared.output import console, print_json
+from robophm.transports.running_robot import explained
 
 NEEDED = ("robophm", "numpy", "scipy", "pydantic", "ruamel.yaml", "typer", "rich", "pint", "rosbags", "mcap", "PyYAML")
 
@@ -42,6 +43,7 @@ def command(as_json: Json = False) -> None:
             versions[name] = "missing"
     extras = {name: " ".join(_missing(packages)) for name, (_, packages) in EXTRAS.items()}
     checks = {name: _try(check) for name, check in CHECKS.items()}
+    live = explained()
     failed = [name for name, outcome in checks.items() if outcome != "ok"] + [
         n for n, v in versions.items() if v == "missing"
     ]
@@ -51,6 +53,7 @@ def command(as_json: Json = False) -> None:
                 "versions": versions,
                 "checks": checks,
                 "ok": not failed,
+                "live": live,
                 "extras": {name: {"for": EXTRAS[name][0], "missing": lacks.split()} for name, lacks in extras.items()},
             }
         )
@@ -61,6 +64,8 @@ def command(as_json: Json = False) -> None:
         for name, lacks in extras.items():
             state = f"not installed ({lacks}): pip install 'robophm[{name}]'" if lacks else "installed"
             out.print(f"{f'extra {name}':<28} {state}; {EXTRAS[name][0]}", markup=False, soft_wrap=True)
+        for name, text in live.items():
+            out.print(f"{f'robots: {name}':<28} {text}", markup=False, soft_wrap=True)
         out.print("all is well" if not failed else f"not well: {', '.join(failed)}", markup=False)
     if failed:
         sys.exit(INVALID)

@@ -9,7 +9,7 @@ import typer
 
 from robophm.cli.shared.options import Json, Via
 from robophm.cli.shared.output import console, print_json, print_table, table, warn
-from robophm.core.counted_notes import said
+from robophm.core.counted_notes import ordinary, said
 from robophm.core.signal import is_topic
 from robophm.report.words import number_text
 from robophm.transports.live.listening import HeardTopic, listen_for
@@ -39,8 +39,11 @@ def command(
     rows = [_row(one) for one in heard]
     out = console()
     print_table(out, table(f"{len(rows)} topics", ["topic", "type", "per s", "last values"], rows, figures=(2,)))
-    ordinary = ("receipt time used", "no element")
-    for line in said({what: count for what, count in notes.items() if not what.startswith(ordinary)}):
+    if not rows:
+        warn(f"nothing is published at {opened.source.place}")
+        for hint in opened.source.hidden_by():
+            warn(hint, "hint")
+    for line in said({what: count for what, count in notes.items() if not ordinary(what)}):
         warn(line)
 
 

@@ -6,7 +6,7 @@ import gc
 import signal
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -24,6 +24,7 @@ from robophm.cli.shared.output import console, may_write, print_json, print_repo
 from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.task_words import stated_speed
 from robophm.cli.shared.unused import refuse_unused
+from robophm.core.counted_notes import ordinary, said
 from robophm.design.file import load
 from robophm.health.report import HealthReport, plain
 from robophm.health.unknown_rates import marked, marks
@@ -126,6 +127,10 @@ def run(design: Path, asked: Watched) -> bool:
         ends += [source.stop, source.close]
         print(opened.said, file=sys.stderr)
         published = {info.topic: (info.type, info.fields) for info in source.topics()}
+        if not published:
+            warn(f"nothing is published yet at {source.place}")
+            for hint in source.hidden_by():
+                warn(hint, "hint")
         lacks = missing_signals(robot, published)
         not_yet = "nobody publishes yet" if opened.source.announced else "nothing was heard yet on"
         for words in dict.fromkeys(lacks.values()):
@@ -167,11 +172,32 @@ SHOWN = ("foretold", "reached", "not followed")
 """States of wear that a line tells of, of the part that comes first."""
 
 
+class _FreshNotes:
+    """Tells which notes to print while the robot is watched: each at first, and when it is ten times as many."""
+
+    def __init__(self) -> None:
+        self._told: dict[str, int] = {}
+
+    def lines(self, notes: Mapping[str, int]) -> list[str]:
+        """Return the notes that are to be printed, as lines."""
+        fresh = {}
+        for what, count in notes.items():
+            if not ordinary(what) and len(str(count)) > self._told.get(what, 0):
+                self._told[what] = len(str(count))
+                fresh[what] = count
+        return said(fresh)
+
+
 class _OnTerminal(ReportSink):
-    """A table that stays where it is, and the tasks above it."""
+    """A table that stays where it is, and the tasks and notes above it."""
 
     def __init__(self, live: Live) -> None:
         self._live, self._table = live, LiveTable()
+        self._fresh = _FreshNotes()
+
+    def noted(self, notes: Mapping[str, int]) -> None:
+        for line in self._fresh.lines(notes):
+            self._live.console.print(f"warning: {line}", markup=False)
 
     def publish(self, report: HealthReport) -> None:
         if self._table.due():
@@ -186,6 +212,11 @@ class _Lines(ReportSink):
 
     def __init__(self, out: Console, asked: Watched) -> None:
         self._out, self._asked, self._said = out, asked, time.monotonic()
+        self._fresh = _FreshNotes()
+
+    def noted(self, notes: Mapping[str, int]) -> None:
+        for line in self._fresh.lines(notes):
+            warn(line)
 
     def publish(self, report: HealthReport) -> None:
         if time.monotonic() - self._said < self._asked.every:

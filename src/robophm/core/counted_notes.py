@@ -5,10 +5,16 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
+_ORDINARY = ("receipt time used", "no element", "connected again", "order changed")
 MOST_ALIKE = 3
 """Notes that differ in numbers alone and are told one by one."""
 
 _FILE = re.compile(r"\S\.(bag|mcap|db3|active|zstd|zst|gz|ulg|csv|parquet|jsonl)\b")
+
+
+def ordinary(what: str) -> bool:
+    """Whether a note on a running robot tells of nothing that is lost, as that messages carry no time."""
+    return what.startswith(_ORDINARY)
 
 
 def said(notes: Mapping[str, int], of: str = "") -> list[str]:

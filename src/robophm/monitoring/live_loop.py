@@ -17,11 +17,15 @@ from robophm.monitoring.live_tasks import LiveTasks
 from robophm.monitoring.look_ahead import LookAhead
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import REPAIR, REPORT_STEP, ReportHistory, kept_ledger
+from robophm.monitoring.silent_signals import SilentSignals
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.stores.store import Progress, Store
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.signals.report_sink import JudgedTask, ReportSink
 from robophm.transports.signals.source import Gap, LiveItem, LiveSource, SignalSource, WholeMessage
+
+NOTES_EVERY = 0.5
+"""Seconds between two looks for what was lost, silent or refused."""
 
 SAVE_EVERY = 5.0
 """Seconds between two saves: what a crash may cost where there is no journal to take it from."""
@@ -83,6 +87,10 @@ class _Watch:
         self._clock = ClockSteps()
         self._monitor = Monitor(self.robot, ledger, period=self.period, on_tick=self._tick)
         self._tasks = LiveTasks(self._monitor, self._wear, speed=self.speed, functions=self.functions)
+        self._silent = SilentSignals(self.robot.max_ages)
+        self._looked = time.monotonic()
+        self._noted: Counter[str] = Counter()
+        """The notes that were told last."""
         self._behind: int | None = None
         """To which the ledger had been integrated, until the first sample is known not to be before it."""
 
@@ -110,8 +118,9 @@ class _Watch:
                         self.journal.gap(heard.topic, heard.why)
                 else:
                     self._take(heard)
+                self._tell_notes()
             self._note_orders()
-        self.source.notes.update(self._tasks.notes)
+        self.source.notes.update(self._tasks.notes + self._silent.notes)
         return monitor
 
     def _take(self, heard: Sample) -> None:
@@ -121,6 +130,7 @@ class _Watch:
                 f"heard; expected a clock that is right, or another store; {REPAIR}"
             )
         self._behind = None
+        self._silent.hear(heard)
         if self.journal:
             self.journal.write(heard)
         if (words := self._clock.hear(heard.time, self._monitor.ledger)) and self.on_clock:
@@ -128,6 +138,19 @@ class _Watch:
         self._monitor.observe(heard)
         if time.monotonic() - self._saved > SAVE_EVERY:
             self._save()
+
+    def _tell_notes(self) -> None:
+        """Tell the sinks at once of what was lost, silent or refused, by the source or by one of them."""
+        if (now := time.monotonic()) - self._looked < NOTES_EVERY:
+            return
+        self._looked = now
+        notes = self.source.notes.copy() + self._tasks.notes + self._silent.notes
+        for sink in self.sinks:
+            notes.update(sink.notes)
+        if notes != self._noted:
+            self._noted = notes
+            for sink in self.sinks:
+                sink.noted(notes)
 
     def _hear_of_task(self, message: WholeMessage) -> None:
         if judged := self._tasks.hear(message):

@@ -74,6 +74,7 @@ class Ros2Rclpy(Ros2):
     """The live source of ROS 2 through rclpy."""
 
     _node = Node
+    _over_dds = False
 
 
 class RclpyGraph:

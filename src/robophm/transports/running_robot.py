@@ -120,6 +120,38 @@ def generation_here() -> tuple[int, str]:
     raise SourceError(f"no ROS found: {answer}, and nothing here speaks ROS 2: pip install robophm[ros2]")
 
 
+def explained() -> dict[str, str]:
+    """Return what of ROS is here and what of it would be listened to, by what each is."""
+    said = {"chosen": "", "rclpy": "cannot be imported", "cyclonedds": "cannot be imported"}
+    try:
+        generation, reason = generation_here()
+        said["chosen"] = f"ROS {generation}: {reason}"
+    except SourceError as error:
+        said["chosen"] = str(error)
+    if _has("rclpy"):
+        from robophm.transports import ros2_rclpy
+
+        try:
+            ros2_rclpy.rclpy()
+            said["rclpy"] = "runs here, and goes before cyclonedds"
+        except SourceError as error:
+            said["rclpy"] = str(error)
+    if _has("cyclonedds"):
+        said["cyclonedds"] = "can be imported"
+    rmw = os.environ.get("RMW_IMPLEMENTATION")
+    said["RMW_IMPLEMENTATION"] = f"{rmw}, which rclpy alone heeds" if rmw else "is not set; rclpy alone heeds it"
+    from robophm.transports.ros2_dds.environment import hidden_by, place_in_words, refuse_enforced_security
+
+    try:
+        said["ROS 2 is looked for in"] = place_in_words()
+        said["what could hide it"] = "; ".join(hidden_by(over_dds="runs" not in said["rclpy"]))
+        refuse_enforced_security()
+        said["security"] = "not enforced"
+    except SourceError as error:
+        said["security" if "SECURITY" in str(error) else "ROS 2 is looked for in"] = str(error)
+    return said
+
+
 def _master() -> str | None:
     """The reason why the master cannot be used; None where it answers."""
     from robophm.transports.ros1.environment import place

@@ -133,10 +133,17 @@ def _speak(robot: Robot, over: threading.Event) -> None:
         robot.say("/state", state(number, 80.0))
 
 
+def _listening(robot: Robot) -> list[dict[str, Any]]:
+    """What health's own status on /diagnostics said so far of what was lost or silent."""
+    said = [json.loads(raw) for topic, raw in list(robot.heard) if topic == f"{ROOT}/diagnostics"]
+    return [status for one in said for status in one["status"] if status["name"].endswith(": listening")]
+
+
 def test_watch_ages_by_what_it_says_and_tells_its_health(broker: Broker, robot: Robot, tmp_path: Path) -> None:
     """At 41.5 °C, ten over the reference, q10 = 2 doubles the rate."""
     (tmp_path / "robot.yaml").write_text(DESIGN)
     robot.hear(f"{ROOT}/phm_hazard_rate")
+    robot.hear(f"{ROOT}/diagnostics")
     words = ["watch", "robot.yaml", "--via", broker.address(ROOT), "--period", "0.5", "--every", "0.5", "--json"]
     process = subprocess.Popen(
         [sys.executable, "-m", "robophm", *words], cwd=tmp_path, text=True, stdout=subprocess.PIPE,
@@ -152,8 +159,10 @@ def test_watch_ages_by_what_it_says_and_tells_its_health(broker: Broker, robot: 
         assert pytest.approx(0.02, rel=1e-9) in rates
         over.set()
         speaking.join()
-        within(5, lambda: robot.heard)
-        told = json.loads(robot.heard[-1][1])
+        assert f"warning: silent: {LEFT}\n" in process.stderr  # at once, not at the end
+        within(5, lambda: any(told["level"] == 1 and LEFT in told["message"] for told in _listening(robot)))
+        within(5, lambda: any(topic.endswith("/phm_hazard_rate") for topic, _ in list(robot.heard)))
+        told = next(json.loads(raw) for topic, raw in robot.heard if topic.endswith("/phm_hazard_rate"))
         assert told["stamp"]["sec"] == pytest.approx(time.time_ns() / SECOND, abs=60)
     finally:
         process.send_signal(signal.SIGINT)

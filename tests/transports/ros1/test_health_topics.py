@@ -134,7 +134,8 @@ print(json.dumps([m.actual_potc.potc_nominal_value, m.actual_potc.potc_sensor_ba
     assert rates[1:] == [pytest.approx(1.000002e-3), pytest.approx(1.000002e-3), ["Power", "Arm"],
                          pytest.approx([1e-3, 2e-9])]  # fmt: skip
     assert survival[1] == pytest.approx(math.exp(-0.1), rel=1e-6)
-    assert potc == [0.75, 0.5, 0.125, 250.0, 0.0]
+    assert potc[:4] == [0.75, 0.5, 0.125, 250.0]
+    assert math.isnan(potc[4])  # no task was planned: that is not a task that must fail
 
 
 def test_flat_health_has_all_the_digits(
@@ -167,7 +168,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 rospy.init_node("reader", anonymous=True)
 def told(message):
     for s in message.status:
-        print(json.dumps([s.level, s.name, s.message, s.hardware_id, {v.key: float(v.value) for v in s.values}]))
+        print(json.dumps([s.level, s.name, s.message, s.hardware_id, {v.key: v.value for v in s.values}]))
     say("end")
 rospy.Subscriber("/diagnostics", DiagnosticArray, told)
 say("ready")
@@ -184,8 +185,13 @@ rospy.spin()
         [0, f"{node}: R 2", "OK", "R 2"],
         [1, f"{node}: Power", "reliability 0.904837 is below 0.999", "R 2"],
         [0, f"{node}: Arm", "OK", "R 2"],
+        [0, f"{node}: listening", "nothing was lost", "R 2"],
     ]
-    assert found[1][4]["hazard rate, sensor-based [1/h]"] == 1e-3
+    assert float(found[1][4]["hazard rate, sensor-based [1/h]"]) == 1e-3
+    sink.noted({"lost on the way on /motor": 3, "receipt time used for /motor": 9})  # told at once, alone
+    (lost,) = [json.loads(line) for line in iter(process.stdout.readline, "end\n")]
+    told = "lost on the way on /motor (3 times)"
+    assert lost == [1, f"{node}: listening", told, "R 2", {"note 1": told}]
     assert {"/hall/r2/phm_hazard_rate_calculation_node", "/hall/r2/phm_reliability_estimation_node",
             "/hall/r2/phm_robot_task_completion_node"} <= set(ros.run("/usr/bin/rosnode", "list").split())  # fmt: skip
     assert "/hall/r2/phm_potc" in ros.run("/usr/bin/rosnode", "info", "/hall/r2/phm_robot_task_completion_node")

@@ -222,3 +222,20 @@ def test_a_ledger_ahead_of_the_clock_is_refused(ros: System, robot: Robot, tmp_p
     with closing(sqlite3.connect(tmp_path / "past.db")) as base, base:
         assert base.execute("SELECT state FROM ledger").fetchone() == before
     base.close()
+
+
+def test_publishing_that_is_ended_by_others_is_told_at_once(ros: System, tmp_path: Path) -> None:
+    """As by a second watcher of the same robot, or by rosnode kill: the watch goes on, and says so."""
+    ros.talk(TALKER)
+    process = start(ros, tmp_path, "--journal", "run.journal", "--json", "--every", "1")
+    node = "/phm_hazard_rate_calculation_node"
+    try:
+        within(30, lambda: spoken(tmp_path / "run.journal") > 5)
+        ros.run("/usr/bin/rosnode", "kill", node)
+        assert process.stderr is not None
+        assert f"warning: {node}: ended through ROS\n" in process.stderr
+        before = spoken(tmp_path / "run.journal")
+        within(10, lambda: spoken(tmp_path / "run.journal") > before)
+        assert process.poll() is None
+    finally:
+        assert ended(process, signal.SIGINT)[0] == 0

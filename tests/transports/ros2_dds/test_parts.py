@@ -12,7 +12,7 @@ from robophm.core.errors import SourceError
 from robophm.transports.ros2_dds import Ros2Dds
 from robophm.transports.ros2_dds.cyclone import Offer
 from robophm.transports.ros2_dds.definition import dds_name, defined, known, name_of_dds, ros2_name
-from robophm.transports.ros2_dds.environment import Place, place
+from robophm.transports.ros2_dds.environment import Place, hidden_by, place, place_in_words, refuse_enforced_security
 from robophm.transports.ros2_dds.subscription import told_hash
 
 HASHES = {
@@ -149,3 +149,22 @@ def test_a_definition_that_is_none(text: str) -> None:
 )
 def test_the_hash_that_a_publisher_tells(user_data: bytes, hash_: str) -> None:
     assert told_hash(Offer(1, "rt/x", "t", reliable=True, latched=False, user_data=user_data)) == hash_
+
+
+def test_what_could_hide_topics(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, value in [("ROS_DOMAIN_ID", "7"), ("ROS_LOCALHOST_ONLY", "1"), ("RMW_IMPLEMENTATION", "rmw_zenoh_cpp"),
+                        ("ROS_DISCOVERY_SERVER", "127.0.0.1:11811"), ("ROS_SECURITY_ENABLE", "true")]:  # fmt: skip
+        monkeypatch.setenv(name, value)
+    assert place_in_words() == "domain 7, this machine"
+    hints = hidden_by(over_dds=True)
+    for word in ("domains than 7", "this machine alone", "rmw_zenoh_cpp", "server of Fast DDS", "without their keys"):
+        assert sum(word in hint for hint in hints) == 1, word
+    assert not any("zenoh" in hint or "keys" in hint for hint in hidden_by(over_dds=False))  # as rclpy does it
+
+
+def test_security_that_is_enforced_is_not_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_SECURITY_STRATEGY", "Enforce")
+    refuse_enforced_security()  # by sros2 it counts only where security is enabled
+    monkeypatch.setenv("ROS_SECURITY_ENABLE", "true")
+    with pytest.raises(SourceError, match="ROS_SECURITY_STRATEGY is Enforce, and DDS is spoken here without security"):
+        Ros2Dds()

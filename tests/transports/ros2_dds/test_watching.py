@@ -90,3 +90,15 @@ def test_topics_says_types_rates_and_last_values(motor: Peer, cyclonedds: None, 
     assert motor_topic["messages"] > 10
     assert motor_topic["rate"] == pytest.approx(20, rel=0.3)
     assert odd == {"topic": "/odd", "type": "odd_msgs/msg/Odd", "messages": 0, "rate": None, "values": {}}
+
+
+def test_where_nothing_is_published_it_is_said_what_could_hide_it(
+    domain: int, cyclonedds: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain + 100))  # where nobody is
+    process = start(tmp_path, "topics", "--via", "dds", "--seconds", "0.5")
+    said, warned = process.communicate(timeout=100)
+    assert process.returncode == 0, warned
+    assert "0 topics" in said
+    assert f"warning: nothing is published at domain {domain + 100}, this machine\n" in warned
+    assert f"hint: robots in other domains than {domain + 100} are not heard: set ROS_DOMAIN_ID\n" in warned

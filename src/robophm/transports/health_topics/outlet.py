@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from typing import Any, Protocol
 
@@ -34,6 +35,13 @@ class Outlet:
             self._nodes[node] = self._node(node)
         spelled = type_.replace("/msg/", "/") if self.generation == 1 else type_
         return self._publisher(self._nodes[node], topic, spelled, definition(type_, self.generation), latched=latched)
+
+    @property
+    def notes(self) -> Counter[str]:
+        """Return the counts of all nodes, each with the node's name: ``ended through ROS``."""
+        return Counter(
+            {f"{name}: {what}": n for name, node in self._nodes.items() for what, n in node.notes.copy().items()}
+        )
 
     def close(self) -> None:
         """End all nodes, and with them their publishers; twice does no harm."""

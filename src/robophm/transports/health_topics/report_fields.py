@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from itertools import count
 from typing import Any
 
+from robophm.core.counted_notes import ordinary, said
 from robophm.core.signal import SECOND
 from robophm.design.robot import UNKNOWN
 from robophm.health.outlooks import View
@@ -17,6 +18,9 @@ from robophm.health.worn import WEAR, SeenWear, moment
 from robophm.transports.signals.report_sink import JudgedTask
 
 Fields = Mapping[str, Any]
+
+MOST_TOLD = 3
+"""Notes that are in the message of a status; all are among its values."""
 
 LEVELS: dict[State, int] = {"ok": 0, "warn": 1, "error": 2, "stale": 3}
 """Levels of diagnostic_msgs/DiagnosticStatus and phm_msgs/Health for each state."""
@@ -81,13 +85,13 @@ def _of_modules(report: HealthReport, figure: str) -> Fields:
 
 
 def task_completions(time: int, actual: JudgedTask | None, predicted: JudgedTask | None) -> Fields:
-    """Return the fields of phm_msgs/Potc of the 2020 tool: time in h, distance in m; zero before there is any."""
+    """Return the fields of phm_msgs/Potc of the 2020 tool: time in h, distance in m; NaN before there is any."""
     return {"stamp": stamp(time), "actual_potc": _potc(actual), "predict_potc": _potc(predicted)}
 
 
 def _potc(task: JudgedTask | None) -> Fields:
     if task is None:
-        return {}
+        return dict.fromkeys(("potc_nominal_value", "potc_sensor_based_value", "potc_time", "potc_distance"), _NAN)
     return {
         **{
             f"potc_{view}_value": _said("completion", task.completion[view].probability, task.unknown) for view in VIEWS
@@ -179,6 +183,18 @@ def diagnostics(report: HealthReport, node: str) -> Fields:
             for one in told
         ]
         + [_worn(report, one, node) for one in report.wear[:MOST_STATUSES]],
+    }
+
+
+def listening(notes: Mapping[str, int], robot: str, node: str, *, fresh: bool) -> Fields:
+    """Return the fields of a status on what was lost, silent or refused while listening; ``fresh``: a moment ago."""
+    told = said({what: count for what, count in notes.items() if not ordinary(what)})
+    return {
+        "level": LEVELS["warn" if fresh and told else "ok"],
+        "name": f"{node}: listening",
+        "message": "; ".join(told[:MOST_TOLD]) if told else "nothing was lost",
+        "hardware_id": robot,
+        "values": [{"key": f"note {k}", "value": line} for k, line in enumerate(told[:MOST_STATUSES], 1)],
     }
 
 

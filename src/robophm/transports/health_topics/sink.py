@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import threading
+import time
+from collections.abc import Mapping
 from contextlib import ExitStack
 from typing import Any
 
@@ -26,6 +29,9 @@ RELIABILITY_NODE = "phm_reliability_estimation_node"
 COMPLETION_NODE = "phm_robot_task_completion_node"
 """Names of the nodes, as in the paper (Figure 18)."""
 
+WARNED_SECONDS = 10.0
+"""The time for which what was lost or refused is a warning on /diagnostics [s]."""
+
 DIAGNOSTICS_EVERY = SECOND
 """Nanoseconds between two messages on /diagnostics (REP-107)."""
 
@@ -43,6 +49,7 @@ class HealthTopics(ReportSink):
     def __init__(self, robot: Robot, outlet: Outlet, *, namespace: str = "/", frame: str = "base_link") -> None:
         if not namespace.startswith("/"):
             raise SourceError(f"namespace '{namespace}' is none; expected it to begin with '/', e.g. /ota")
+        self._robot = robot.name
         self._root = namespace.rstrip("/")
         self._outlet = outlet
         self._frame = frame
@@ -51,6 +58,9 @@ class HealthTopics(ReportSink):
         self._lock = threading.Lock()
         self._latest: dict[bool, JudgedTask] = {}
         self._diagnosed = 0
+        self._heard_of: Mapping[str, int] = {}
+        self._noted = -math.inf
+        """The time when a note came last [s], by a clock that nobody sets."""
         paths = [robot.name, *(f"{robot.name}/{module.path}" for module in robot.all_modules())]
         paths += [f"{robot.name}/{part.path}" for part in robot.all_components()]
         self._topics = dict(list(topics_of(paths, f"{self._root}/phm").items())[:MOST_TOPICS])
@@ -88,13 +98,12 @@ class HealthTopics(ReportSink):
             if topic := self._topics.get(path):
                 self._send(topic, report_fields.health(report, one))
         self._send(f"{self._root}/phm/markers", report_fields.markers(report, self._frame))
-        time = report.time or 0
-        if not 0 <= time - self._diagnosed < DIAGNOSTICS_EVERY:
-            self._diagnosed = time
-            self._send(
-                "/diagnostics", report_fields.diagnostics(report, f"{self._root}/{HAZARD_RATE_NODE}".lstrip("/"))
-            )
-        self._send_completions(time)
+        now = report.time or 0
+        if not 0 <= now - self._diagnosed < DIAGNOSTICS_EVERY:
+            self._diagnosed = now
+            fields = report_fields.diagnostics(report, self._diagnosing)
+            self._send("/diagnostics", {**fields, "status": [*fields["status"], self._listening()]})
+        self._send_completions(now)
 
     def judged(self, task: JudgedTask) -> None:
         """Publish a task, and on phm_potc the latest done and the latest planned task."""
@@ -104,8 +113,28 @@ class HealthTopics(ReportSink):
         )
         self._send_completions(task.time)
 
-    def _send_completions(self, time: int) -> None:
-        fields = report_fields.task_completions(time, self._latest.get(True), self._latest.get(False))
+    @property
+    def _diagnosing(self) -> str:
+        return f"{self._root}/{HAZARD_RATE_NODE}".lstrip("/")
+
+    def noted(self, notes: Mapping[str, int]) -> None:
+        """Publish at once on /diagnostics what was lost, silent or refused; for a while it is a warning."""
+        self._heard_of, self._noted = notes, time.monotonic()
+        self._send(
+            "/diagnostics", {"header": {"stamp": report_fields.stamp(time.time_ns())}, "status": [self._listening()]}
+        )
+
+    def _listening(self) -> report_fields.Fields:
+        fresh = time.monotonic() - self._noted < WARNED_SECONDS
+        return report_fields.listening(self._heard_of, self._robot, self._diagnosing, fresh=fresh)
+
+    @property
+    def notes(self) -> Mapping[str, int]:
+        """Return what befell the nodes that publish."""
+        return self._outlet.notes
+
+    def _send_completions(self, now: int) -> None:
+        fields = report_fields.task_completions(now, self._latest.get(True), self._latest.get(False))
         self._send(f"{self._root}/phm_potc", fields)
 
     def _send(self, topic: str, fields: report_fields.Fields) -> None:

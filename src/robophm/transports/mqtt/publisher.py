@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from dataclasses import fields, is_dataclass
 from typing import Any, Self
 
@@ -18,6 +19,7 @@ class Node:
     def __init__(self, connection: Connection, name: str) -> None:
         self.name = name
         self.connection = connection
+        self.notes: Counter[str] = Counter()  # the connection has its own
 
     def close(self) -> None:
         """Do nothing: whoever made the connection ends it."""

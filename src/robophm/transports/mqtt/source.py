@@ -66,6 +66,18 @@ class Mqtt(ListeningSource):
         self.connection = Connection(self.address, self._notes, self._heard, self._lost)
         self._born = time.monotonic()
 
+    @property
+    def place(self) -> str:
+        """Return the broker and the topic below which is listened."""
+        return str(self.address)
+
+    def hidden_by(self) -> list[str]:
+        """Return what could keep topics from being heard."""
+        root = self.address.root
+        hints = [f"topics that are not below {root} are not heard"] if root else []
+        return [*hints, "what is said rarely comes later: a state of VDA 5050 at least every 30 s",
+                "the broker may not let us read them, which brokers do not always say"]  # fmt: skip
+
     def topics(self) -> list[TopicInfo]:
         """Return the topics of which something was heard so far; messages are counted since they are listened to."""
         if self._closed:

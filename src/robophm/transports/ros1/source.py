@@ -62,6 +62,16 @@ class Ros1(ListeningSource):
         except PeerError as error:
             raise SourceError(f"no ROS master: {error}; start roscore, or set ROS_MASTER_URI") from None
 
+    @property
+    def place(self) -> str:
+        """Return the master that is asked."""
+        return f"the master at {self._master}"
+
+    def hidden_by(self) -> list[str]:
+        """Return what could keep topics from being heard."""
+        return ["nodes of another master are not heard: set ROS_MASTER_URI",
+                "publishers whose ROS_HOSTNAME or ROS_IP is not reached from here are not heard"]  # fmt: skip
+
     def topics(self) -> list[TopicInfo]:
         """Return the topics published now; their messages and times are counted since they are listened to.
 

@@ -14,8 +14,13 @@ LAST_DOMAIN = 232
 MOST_PARTICIPANTS = 32
 """Processes of a machine that are looked for without multicast; ROS's own Cyclone looks for as many."""
 
-RANGES = ("SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
-"""Values of ROS_AUTOMATIC_DISCOVERY_RANGE that are known."""
+RANGES = {
+    "SUBNET": "the networks of this machine",
+    "LOCALHOST": "this machine",
+    "OFF": "this process",
+    "SYSTEM_DEFAULT": "what DDS is configured for",
+}
+"""Values of ROS_AUTOMATIC_DISCOVERY_RANGE that are known, and where each looks."""
 
 LONGEST_MESSAGE = 64 << 20
 """Bytes of a message, beyond which it is not put together."""
@@ -39,15 +44,56 @@ def place(domain: int | None = None) -> Place:
         domain = _domain(os.environ.get("ROS_DOMAIN_ID") or "0")
     if not 0 <= domain <= LAST_DOMAIN:
         raise SourceError(f"{domain} is not a ROS domain; expected 0 to {LAST_DOMAIN}")
+    reach = _reach()
+    peers = [peer for peer in os.environ.get("ROS_STATIC_PEERS", "").split(";") if peer.strip()]
+    if os.environ.get("ROS_LOCALHOST_ONLY") == "1":
+        peers = []
+    own = os.environ.get("CYCLONEDDS_URI")
+    return Place(domain, ",".join(part for part in (_config(reach, peers), own) if part))
+
+
+def _reach() -> str:
+    if os.environ.get("ROS_LOCALHOST_ONLY") == "1":  # the older way to say it, which wins as long as it is there
+        return "LOCALHOST"
     reach = (os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") or "SUBNET").upper()
     if reach not in RANGES:
         hint = nearest(reach, RANGES)
         raise SourceError(f"ROS_AUTOMATIC_DISCOVERY_RANGE is '{reach}'; expected {', '.join(RANGES)}{hint}")
-    peers = [peer for peer in os.environ.get("ROS_STATIC_PEERS", "").split(";") if peer.strip()]
-    if os.environ.get("ROS_LOCALHOST_ONLY") == "1":  # the older way to say it, which wins as long as it is there
-        reach, peers = "LOCALHOST", []
-    own = os.environ.get("CYCLONEDDS_URI")
-    return Place(domain, ",".join(part for part in (_config(reach, peers), own) if part))
+    return reach
+
+
+def place_in_words(domain: int | None = None) -> str:
+    """Return where nodes are looked for, for people. Raises SourceError as ``place``."""
+    return f"domain {place(domain).domain}, {RANGES[_reach()]}"
+
+
+def refuse_enforced_security() -> None:
+    """Raise SourceError where the environment asks for secured DDS and nothing else: we speak it without keys."""
+    enabled = os.environ.get("ROS_SECURITY_ENABLE", "").lower() == "true"
+    if enabled and os.environ.get("ROS_SECURITY_STRATEGY", "").lower() == "enforce":
+        raise SourceError(
+            "ROS_SECURITY_STRATEGY is Enforce, and DDS is spoken here without security; expected the rclpy of a "
+            "sourced ROS 2, which has it, or ROS_SECURITY_ENABLE=false"
+        )
+
+
+def hidden_by(*, over_dds: bool) -> list[str]:
+    """Return what in the environment could keep topics from being heard; ``over_dds``: we speak DDS ourselves."""
+    said = os.environ.get
+    hints = [f"robots in other domains than {said('ROS_DOMAIN_ID') or '0'} are not heard: set ROS_DOMAIN_ID"]
+    if (reach := _reach()) != "SUBNET":
+        hints.append(
+            f"nodes are looked for on {RANGES[reach]} alone: ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_LOCALHOST_ONLY"
+        )
+    if over_dds and "zenoh" in said("RMW_IMPLEMENTATION", ""):
+        hints.append(f"RMW_IMPLEMENTATION is {said('RMW_IMPLEMENTATION')}, whose nodes do not speak DDS")
+    if said("ROS_DISCOVERY_SERVER"):
+        hints.append("ROS_DISCOVERY_SERVER is set: nodes that register with a server of Fast DDS alone are not found")
+    if said("CYCLONEDDS_URI"):
+        hints.append("CYCLONEDDS_URI is set: it may name an interface at which nobody is")
+    if over_dds and said("ROS_SECURITY_ENABLE", "").lower() == "true":
+        hints.append("ROS_SECURITY_ENABLE is true: nodes that enforce security are not heard without their keys")
+    return [*hints, "the network or a firewall may not let multicast through: ROS_STATIC_PEERS names machines"]
 
 
 def _domain(text: str) -> int:

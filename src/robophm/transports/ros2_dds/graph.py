@@ -13,7 +13,7 @@ import numpy as np
 from robophm.core.errors import SourceError
 from robophm.transports.ros2_dds.cyclone import Discovery, Participant, Reader, Waiting, Writer
 from robophm.transports.ros2_dds.definition import Definition, known
-from robophm.transports.ros2_dds.environment import Place, place
+from robophm.transports.ros2_dds.environment import Place, place, refuse_enforced_security
 from robophm.transports.signals.message_type import serialized
 
 TOPIC = "ros_discovery_info"
@@ -127,8 +127,9 @@ class Graph:
 def join(domain: int | None = None) -> Graph:
     """Return the graph of this process in a domain, or in that of ROS_DOMAIN_ID.
 
-    Raises SourceError where DDS cannot be had, or this process is in the domain with other settings.
+    Raises SourceError where DDS cannot be had, has to be secured, or is used by this process with other settings.
     """
+    refuse_enforced_security()
     where = place(domain)
     with _LOCK:
         graph = _OPEN.get(where.domain)

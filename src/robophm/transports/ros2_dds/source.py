@@ -21,6 +21,7 @@ from robophm.transports.live.receiving import (
 )
 from robophm.transports.ros2_dds.cyclone import Offer
 from robophm.transports.ros2_dds.definition import name_of_dds
+from robophm.transports.ros2_dds.environment import hidden_by, place_in_words
 from robophm.transports.ros2_dds.node import Node
 from robophm.transports.ros2_dds.subscription import Subscription, definition_of, told_hash
 from robophm.transports.signals.incidents import Incidents
@@ -41,6 +42,8 @@ class Ros2(ListeningSource):
     """
 
     _node: ClassVar[type[Node]]
+    _over_dds: ClassVar[bool] = True
+    """Whether DDS is spoken here by ourselves, and not by what RMW_IMPLEMENTATION names."""
 
     def __init__(self, domain: int | None = None, *, queue: int = QUEUE, period: float = TICK) -> None:
         self.fingerprint = uuid.uuid4().hex  # what is live is never the same twice
@@ -52,6 +55,15 @@ class Ros2(ListeningSource):
         self._graph = self._node.join(domain)
         self._discovery = self._graph.discovery()
         self._fields: dict[tuple[str, str], tuple[str, ...]] = {}
+
+    @property
+    def place(self) -> str:
+        """Return the domain, and how far it is listened to."""
+        return place_in_words(self._graph.place.domain)
+
+    def hidden_by(self) -> list[str]:
+        """Return what could keep topics from being heard, by the environment."""
+        return hidden_by(over_dds=self._over_dds)
 
     def topics(self) -> list[TopicInfo]:
         """Return the topics published now; their messages and times are counted since they are listened to.

@@ -42,6 +42,14 @@ class ReportSink(ABC):
     def judged(self, task: JudgedTask) -> None:
         """Take a task and the probability that it is or was completed."""
 
+    def noted(self, notes: Mapping[str, int]) -> None:  # noqa: B027  most sinks tell of health alone
+        """Take what was lost, silent, refused or made anew: all counts so far, told when one has changed."""
+
+    @property
+    def notes(self) -> Mapping[str, int]:
+        """Return counts of what befell the sink itself."""
+        return {}
+
     def close(self) -> None:  # noqa: B027  most sinks hold nothing open
         """Let go of connections; closing twice does no harm."""
 

@@ -134,6 +134,15 @@ class LiveSource(SignalSource):
     announced: ClassVar[bool] = True
     """Whether topics are announced before a message comes; otherwise only what was heard is known."""
 
+    @property
+    def place(self) -> str:
+        """Return where it listens, for people: ``domain 0, the networks of this machine``."""
+        return "the robot"
+
+    def hidden_by(self) -> list[str]:
+        """Return what could keep topics from being heard, as sentences without their point."""
+        return []
+
     @abstractmethod
     def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
         """Yield samples of signals in the order of their arrival, and between them messages on other topics, and gaps.
