@@ -285,9 +285,10 @@ class McapFile(ChunkedFile):
         return table_of(found), position
 
     def _index_behind(self, channel: int, position: int) -> None:
-        """Keep where an index of the newest chunk lies; of two of one channel, one is of another that it hides."""
+        """Keep where an index of the newest chunk lies; of two of one channel, one is of another, or another chunk."""
         chunk = self.chunks[-1]
         if chunk.indices is not None and chunk.indices.setdefault(channel, position) != position:
+            self.lost("a second index of a channel, and maybe the chunk that it is of,", position)
             self.chunks[-1] = chunk._replace(indices=None)
 
     def _define(self, opcode: int, content: memoryview) -> None:
