@@ -317,9 +317,9 @@ class McapFile(ChunkedFile):
         (stored,) = struct.unpack("<Q", self.between(start - 8, start))
         if opcode != CHUNK or start + stored > end or end > self.size:
             raise DamageError(f"no chunk at byte {offset}")
-        return Chunk(
-            min(first, MOST_TIME), min(last, MOST_TIME), offset, start, start + stored, compression, size, checksum, {}
-        )
+        if first > last or first >= MOST_TIME:  # no time at all, which would hide it
+            first, last = 0, MOST_TIME
+        return Chunk(first, min(last, MOST_TIME), offset, start, start + stored, compression, size, checksum, {})
 
     def _read_summary(self) -> None:
         start = self.size - _FOOTER_SIZE
