@@ -16,7 +16,8 @@ from types import MappingProxyType
 import numpy as np
 
 from robophm.core.errors import DataError
-from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot, WearSignal
+from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot
+from robophm.design.wear_signal import WearSignal
 from robophm.health.foretold_life import ForetoldLife
 from robophm.health.ledger import Ledger
 from robophm.health.wear_readings import WearCourse, WearReadings
@@ -24,6 +25,7 @@ from robophm.health.worn import SeenWear, WearAlarm, WearState
 from robophm.learning.wear.alarm_episodes import episodes
 from robophm.learning.wear.among_others import Unit
 from robophm.learning.wear.readings_table import Readings
+from robophm.learning.wear.stated_life import StatedLife
 from robophm.learning.wear.worn_mode import WearOptions, WornMode, changes_in, worn_mode
 
 KEPT = 256
@@ -103,9 +105,11 @@ def worn_of(mode: FailureMode, read: WearReadings, options: WearOptions, others:
         raise DataError(f"'{mode.path}': no sample of {signal} counts; expected some, as its `wear` says")
     readings = Readings(read.ages, read.values, None, dated=False, when=read.when)
     source = f"{mode.path}, {words(said)}"
+    age, pace = _ageing(mode, read)
     return worn_mode(
-        mode, source, readings, said.threshold, deviation=said.threshold_deviation, options=options, others=others
-    )
+        mode, source, readings, said.threshold, deviation=said.threshold_deviation, options=options, others=others,
+        stated=StatedLife(mode.life, mode.initial_exposure + age - pace * float(read.ages[-1]), pace),
+    )  # fmt: skip
 
 
 def seen_of(worn: WornMode, part: str, share: float = 1.0) -> SeenWear:
@@ -131,10 +135,16 @@ def seen_of(worn: WornMode, part: str, share: float = 1.0) -> SeenWear:
 
 def as_read(seen: SeenWear, mode: FailureMode, read: WearReadings) -> SeenWear:
     """Return it with the age of the part when it was read last, and the mean stress factor until then."""
+    aged, stress = _ageing(mode, read)
+    return replace(seen, aged=aged, stress=stress)
+
+
+def _ageing(mode: FailureMode, read: WearReadings) -> tuple[float, float]:
+    """Age, as the mode's life counts it, at the last reading, and what a unit of the readings' clock adds to it."""
     if mode.scaling != "age":
-        return replace(seen, aged=float(read.ages[-1]))
+        return float(read.ages[-1]), 1.0
     gone, aged = (float(one[-1] - one[0]) for one in (read.ages, read.effective))
-    return replace(seen, aged=float(read.effective[-1]), stress=aged / gone if gone > 0 and aged > 0 else 1.0)
+    return float(read.effective[-1]), aged / gone if gone > 0 and aged > 0 else 1.0
 
 
 def with_alarms(robot: Robot, ledger: Ledger, seen: Sequence[SeenWear]) -> tuple[SeenWear, ...]:

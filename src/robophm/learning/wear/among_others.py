@@ -20,6 +20,7 @@ from scipy.optimize import isotonic_regression
 from robophm.core.errors import DataError
 from robophm.learning.wear.averaging import DRAWS, Forecast, checked, first_passage, forecast
 from robophm.learning.wear.log_regression import Array, LogStudent, lasting
+from robophm.learning.wear.stated_life import StatedLife
 
 PARTS = (0.0, 0.5, 0.8)
 """Shares of the present level from which the way to it is looked at."""
@@ -85,16 +86,19 @@ class _Trajectory:
 
 def forecast_among(
     others: Sequence[Unit], times: npt.ArrayLike, values: npt.ArrayLike, threshold: float, *, falls: bool = False,
-    deviation: float = 0.0, seed: int = 0, draws: int = DRAWS,
+    deviation: float = 0.0, seed: int = 0, draws: int = DRAWS, stated: StatedLife | None = None,
 ) -> Forecast:  # fmt: skip
     """Forecast when readings will reach a threshold, with others of the kind as teachers; else as ``forecast``.
+
+    ``stated``: the life that is stated of the kind, which counts where no other has ended.
 
     ``weights`` of what is returned has "others' lives" and "others from here" beside the unit's own models. Raises
     DataError as ``forecast`` does, and for others without two readings.
     """
     alone = forecast(times, values, threshold, falls=falls, deviation=deviation, seed=seed, draws=draws)
+    by_itself = stated.given(alone, float(np.asarray(times, dtype=float)[-1])) if stated else alone
     if alone.worn_out or not others:
-        return alone
+        return by_itself
     t, y, goal = checked(times, values, threshold, deviation, falls=falls)
     if alone.renewed is not None:
         t, y = t[t >= alone.renewed], y[t >= alone.renewed]
@@ -108,7 +112,7 @@ def forecast_among(
     now = _Trajectory(t, mine, _level(mine, width), float(t[-1] - t[0]), False)
     ways = _ways(now, courses, _Own(alone.passage))
     if "others' lives" not in ways:
-        return alone
+        return by_itself
     if not alone.shows:  # before damage shows its level tells nothing
         ways = {"others' lives": ways["others' lives"]}
     weights = _weights(now, courses, ways)

@@ -1,8 +1,8 @@
 """Forecasts of wear by all degradation models, weighted by how well each foretold the unit's own past.
 
-No model is picked by its fit: each foretells, from earlier readings of the unit, the next one and several at once, and
-the logarithmic scores of that weigh them (Dawid, J. R. Stat. Soc. A 147, 1984). That wear goes on by the law that it
-had is known from nothing; so the rest of life is off by a factor besides, whose deviation is ``LAW``.
+No model is picked by its fit: each foretells, from each stretch of the unit's past, the next, and the logarithmic
+scores of that weigh them (Dawid, J. R. Stat. Soc. A 147, 1984). That wear goes on by the law that it had is known from
+nothing; so the rest of life is off by a factor besides, whose deviation is ``LAW``.
 """
 
 from __future__ import annotations
@@ -18,7 +18,15 @@ from scipy.stats import norm
 
 from robophm.core.errors import DataError
 from robophm.learning.wear.models import candidates_of, degradation_models
-from robophm.learning.wear.models.candidates import Array, Candidates, DegradationPath, course_of, origin_of_surprise
+from robophm.learning.wear.models.candidates import (
+    MOMENTS,
+    STRETCHES,
+    Array,
+    Candidates,
+    DegradationPath,
+    course_of,
+    origin_of_surprise,
+)
 from robophm.learning.wear.trend_bend import Bend, bend_of_wiener
 
 DRAWS = 4000
@@ -178,13 +186,20 @@ def forecast(
         found = _ended(t, y, threshold, draws)
     else:
         found = _to_come(t, y, threshold, deviation, np.random.default_rng(seed), draws, judged=judged)
-        # One reading that stands above its noise: it is there sooner than the next reading could tell.
-        if y[-1] >= threshold and found.remaining.median <= (t[-1] - t[-2]) / 2:
+        if y[-1] >= threshold and _is_there(t, y, threshold, deviation, draws):
             found, reached = _ended(t, y, threshold, draws), reached or _crossing(t, y, threshold, len(y) - 1)
     return replace(
         found, reached=reached, recovered=None if reached is None else _recovered(t, y, threshold, reached),
         renewed=renewed if anew else None, events=tuple(events.tolist()), turned=falls,
     )  # fmt: skip
+
+
+def _is_there(t: Array, y: Array, threshold: float, deviation: float, draws: int) -> bool:
+    """Whether one last reading beyond the threshold stands above its noise: by its last readings, each by itself, the
+    wear is there sooner than the next reading could tell."""
+    late = slice(-STRETCHES, None) if y[-STRETCHES:][0] < threshold else slice(None)
+    found = _to_come(t[late], y[late], threshold, deviation, np.random.default_rng(0), draws, judged=False)
+    return found.remaining.median <= float(t[-1] - t[-2]) / 2
 
 
 def _to_come(
@@ -218,7 +233,7 @@ def _to_come(
         threshold, passage, drift * span / course.reference,
         float(np.median(noise)) * span, bend_of_wiener(t, y) if judged and len(t) > FEWEST else Bend(1.0, False),
         {name: float(share.sum()) for name, share in zip(found, weights, strict=True)},
-        _surprise(course) if judged else 1.0, shows=shows,
+        _surprise(course_of(t, y, threshold, float(t[-1]), MOMENTS)) if judged else 1.0, shows=shows,
     )  # fmt: skip
 
 

@@ -18,6 +18,7 @@ from robophm.core.prognostics import ALPHA, History, cumulative_relative_accurac
 from robophm.learning.wear.among_others import Unit, forecast_among
 from robophm.learning.wear.averaging import FEWEST, Forecast, checked, first_passage, forecast
 from robophm.learning.wear.models.candidates import FAR, Array
+from robophm.learning.wear.stated_life import StatedLife
 
 CUTS = 15
 DRAWS = 1000
@@ -125,7 +126,7 @@ class Backtest:
 
 def backtest(
     times: npt.ArrayLike, values: npt.ArrayLike, threshold: float, *, falls: bool = False, deviation: float = 0.0,
-    others: Sequence[Unit] = (), cuts: int = CUTS, seed: int = 0, draws: int = DRAWS,
+    others: Sequence[Unit] = (), cuts: int = CUTS, seed: int = 0, draws: int = DRAWS, stated: StatedLife | None = None,
 ) -> Backtest:  # fmt: skip
     """Forecasts at so many cuts, evenly over the time until the end; arguments as of ``forecast_among``.
 
@@ -146,8 +147,9 @@ def backtest(
     for n in known:
         try:
             said = forecast_among(
-                others, t[:n], sign * wear[:n], sign * to, falls=falls, deviation=deviation, seed=seed, draws=draws
-            )
+                others, t[:n], sign * wear[:n], sign * to, falls=falls, deviation=deviation, seed=seed, draws=draws,
+                stated=stated if reached else None,
+            )  # fmt: skip
         except DataError:  # it stood still until then
             said = None
         found.append(Cut(float(t[n - 1]), n, said, float(end - t[n - 1])))

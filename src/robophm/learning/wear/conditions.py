@@ -20,6 +20,7 @@ from robophm.hazard.acceleration import ABSOLUTE_ZERO, BOLTZMANN
 from robophm.learning.wear.among_others import LIFE_SCATTER, Unit, crossed, forecast_among
 from robophm.learning.wear.averaging import DRAWS, Forecast, forecast
 from robophm.learning.wear.log_regression import COUNTS, SCATTER, Array, lasting
+from robophm.learning.wear.stated_life import StatedLife
 
 
 @dataclass(frozen=True)
@@ -77,9 +78,11 @@ class Acceleration:
 
 def forecast_under(
     to_come: Mapping[str, float], unit: Unit, threshold: float, others: Sequence[Unit] = (), *, falls: bool = False,
-    deviation: float = 0.0, seed: int = 0, draws: int = DRAWS,
+    deviation: float = 0.0, seed: int = 0, draws: int = DRAWS, stated: StatedLife | None = None,
 ) -> Forecast:  # fmt: skip
     """Forecast, as ``forecast_among`` does, a unit whose readings come with conditions, under conditions to come.
+
+    A ``stated`` life, which says nothing of conditions, counts where there are none.
 
     Raises DataError as it does, and where conditions are not of every unit, unknown, or out of their range.
     """
@@ -88,8 +91,9 @@ def forecast_under(
         raise DataError(f"readings have no column {' or '.join(to_come)}, so what it would change cannot be said")
     if not to_come and not any(one.conditions for one in every):
         return forecast_among(
-            others, unit.times, unit.values, threshold, falls=falls, deviation=deviation, seed=seed, draws=draws
-        )
+            others, unit.times, unit.values, threshold, falls=falls, deviation=deviation, seed=seed, draws=draws,
+            stated=stated,
+        )  # fmt: skip
     found = acceleration(every, to_come, threshold, falls=falls)
     clocks = [found.clock(one, to_come) for one in every]
     there = [replace(one, times=clock, failed=_effective(one, clock)) for one, clock in zip(every, clocks, strict=True)]

@@ -18,6 +18,7 @@ from robophm.learning.wear.backtest import Backtest, backtest
 from robophm.learning.wear.conditions import forecast_under
 from robophm.learning.wear.cusum import Cusum, design
 from robophm.learning.wear.readings_table import Array, Readings, at_load, read_readings, read_units
+from robophm.learning.wear.stated_life import StatedLife
 
 FIRST = 8
 """Readings, or a quarter of them if that is less, whose median says on which side of the threshold a signal begins."""
@@ -62,6 +63,8 @@ class WornMode:
     """Units of its kind, as teachers."""
     to_come: Mapping[str, float] = field(default_factory=dict)
     """Conditions under which its life is foretold."""
+    stated: StatedLife | None = None
+    """Life that is stated of the mode; None where its age at the readings is not known."""
     indexed: bool = False
     """Whether its readings are an index of health of many signals (``indexed_mode.py``)."""
 
@@ -90,7 +93,7 @@ class WornMode:
         try:
             return backtest(
                 times, self.values, threshold, falls=self.wear.turned, deviation=self.deviation, others=self.others,
-                seed=seed,
+                seed=seed, stated=self.stated,
             )  # fmt: skip
         except DataError as error:
             raise DataError(f"{self.source}: {error}") from None
@@ -114,14 +117,14 @@ def begins_at(values: Array) -> float:
 def worn_mode(
     mode: FailureMode, source: str, readings: Readings, threshold: float, *, deviation: float = 0.0,
     load: float | None = None, options: WearOptions = _USUAL, others: Sequence[Unit] = (),
-    to_come: Mapping[str, float] | None = None,
+    to_come: Mapping[str, float] | None = None, stated: StatedLife | None = None,
 ) -> WornMode:  # fmt: skip
     """Judge the wear of a mode by readings that begin below or above the threshold, and so rise or fall to it.
 
     ``deviation``: how well the threshold is known; ``load``: that at which readings are compared, where they come with
     their loads; ``others``: units of its kind, as teachers; ``to_come``: conditions under which it goes on, where
-    readings come with some, else as of late. Raises DataError, with the source, where readings are too few or cannot be
-    wear.
+    readings come with some, else as of late; ``stated``: the life that the design states. Raises DataError, with the
+    source, where readings are too few or cannot be wear.
     """
     values, to_come = readings.values, _to_come(readings.conditions, to_come or {})
     try:
@@ -132,14 +135,15 @@ def worn_mode(
             raise DataError(f"the signal begins at its threshold, {threshold:g}; expected one that it has yet to reach")
         found = forecast_under(
             to_come, Unit(readings.times, values, conditions=readings.conditions), threshold, others,
-            falls=threshold < begun, deviation=deviation, seed=options.seed,
+            falls=threshold < begun, deviation=deviation, seed=options.seed, stated=stated,
         )  # fmt: skip
     except DataError as error:
         raise DataError(f"{source}: {error}") from None
     detector, unlooked, alarms = changes_in(values, options) if options.changes else (None, "not asked for", ())
     return WornMode(
-        mode, source, readings, values, deviation, found, detector, unlooked, alarms, tuple(others), to_come
-    )
+        mode, source, readings, values, deviation, found, detector, unlooked, alarms, tuple(others), to_come,
+        stated=stated,
+    )  # fmt: skip
 
 
 def _to_come(conditions: Mapping[str, Array], stated: Mapping[str, float]) -> dict[str, float]:
@@ -197,9 +201,10 @@ def worn_mode_of_table(
     if (readings.load is None) != (load is None):
         raise DataError(f"{path}: a column 'load', and the load at which readings are compared: expected both")
     others = others_of_table(fleet, mode, dated=readings.dated, load=load) if fleet else ()
+    stated = None if readings.dated else StatedLife(mode.life, 0.0)
     return worn_mode(
         mode, str(path), readings, threshold, deviation=deviation or 0.0, load=load, options=options, others=others,
-        to_come=to_come,
+        to_come=to_come, stated=stated,
     )  # fmt: skip
 
 

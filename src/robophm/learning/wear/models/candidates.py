@@ -11,25 +11,15 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
 
-MOST = 120
-"""Readings of a course; of more, means of neighbours."""
+STRETCHES = 40
+"""Readings of a course; of more, means of neighbours.
 
-COUNTS = 10.0
-"""The largest number of readings that all of them together count as in one-step scores.
+A law is weighed by what it foretold over a stretch of all that was read, and there are so many of these however densely
+it was read: what comes and goes within one, as load does, is no evidence of where wear goes in lives. Chosen by half of
+the units of each public set (docs/theory/wear.md)."""
 
-A law is only nearly the model's, however densely it is read, and one step tells more of noise than of where wear goes
-(the coarsened posterior of Miller and Dunson, J. Am. Stat. Assoc. 114, 2019).
-"""
-
-HALF_LIFE = 0.25
-"""Half-life of scores, as a share of the readings: the law that holds now counts (forgetting, as Raftery, Kárný and
-Ettler's dynamic model averaging, Technometrics 52, 2010)."""
-
-SEVERAL = 5.0
-"""Readings that the scores of several steps together count as: all look at the same late readings."""
-
-ORIGINS, AHEAD = 10, 8
-"""Readings from which several steps are foretold, and how many of the later ones are looked at from each."""
+MOMENTS = 120
+"""The same, where it is asked whether the last readings are followed: a knee is younger than a stretch."""
 
 FAR = 60.0
 """Reference times beyond which nothing is said to be reached."""
@@ -61,7 +51,9 @@ class DegradationPath:
         return result
 
 
-def course_of(times: Array, values: Array, threshold: float, reference: float, most: int = MOST) -> DegradationPath:
+def course_of(
+    times: Array, values: Array, threshold: float, reference: float, most: int = STRETCHES
+) -> DegradationPath:
     """The course of readings towards a threshold. Shapes (readings,)."""
     if len(times) > most:
         groups = np.array_split(np.arange(len(times)), most)
@@ -112,37 +104,9 @@ class Candidates(Protocol):
         ...
 
 
-def origins(readings: int, first: int) -> Indices:
-    """Readings from which later ones are foretold."""
-    if readings < first + 3:
-        return np.array([], dtype=np.int64)
-    found: Indices = np.unique(np.linspace(max(first, readings // 4), readings - 2, ORIGINS).astype(np.int64))
-    return found
-
-
 def origin_of_surprise(readings: int) -> int:
     """The reading from which the last one is foretold, to see whether the wear is followed."""
     return 3 * readings // 4
-
-
-def ahead_of(origin: int, readings: int) -> Indices:
-    """Readings that are foretold from one."""
-    found: Indices = np.unique(np.linspace(origin + 1, readings - 1, AHEAD).astype(np.int64))
-    return found
-
-
-def scored(one_step: Array, several: dict[int, Array], first: int, half_life: float = HALF_LIFE) -> Array:
-    """The score of each candidate, of one-step log densities (readings, candidates) and of means of several steps'."""
-    n = len(one_step)
-    if n <= first:
-        return np.zeros(one_step.shape[1])
-    lasting = np.exp2(-(n - 1 - np.arange(n)) / (half_life * n))
-    shares = lasting[first:] / lasting[first:].sum()
-    score: Array = min(COUNTS, n - first) * (shares @ one_step[first:])
-    total = sum(lasting[o] for o in several)
-    for origin, mean in several.items():
-        score = score + SEVERAL * mean * lasting[origin] / total
-    return score
 
 
 def prior_over(grid: Array, centre: float, deviation: float) -> Array:

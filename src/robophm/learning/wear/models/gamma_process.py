@@ -15,11 +15,8 @@ from robophm.learning.wear.models.candidates import (
     Array,
     DegradationPath,
     Indices,
-    ahead_of,
     origin_of_surprise,
-    origins,
     prior_over,
-    scored,
 )  # fmt: skip
 from robophm.learning.wear.models.power_time import LOG_POWERS
 
@@ -44,19 +41,11 @@ class GammaProcess:
 
     @property
     def scores(self) -> Array:
-        """Return scores of forecasts one step and several steps ahead."""
-        n = len(self.shape)
-        one_step = np.zeros(self.shape.shape)
-        for k in range(1, n):
-            one_step[k] = self._foretold(k - 1, np.array([k]))[0]
-        several = {int(o): self._foretold(int(o), ahead_of(int(o), n)).mean(axis=0) for o in origins(n, _FIRST)}
-        return scored(one_step, several, _FIRST)
-
-    def _foretold(self, origin: int, later: Indices) -> Array:
-        more = (self.course.wear[later] - self.course.wear[origin])[:, None]
-        s, a, b = self.shape[later] - self.shape[origin], self.degrees[origin], self.total[origin]
+        """Return the scores of what was foretold from each reading of the next: compound gammas."""
+        more = np.diff(self.course.wear)[_FIRST - 1 :, None]
+        s, a, b = np.diff(self.shape, axis=0)[_FIRST - 1 :], self.degrees[_FIRST - 1 : -1], self.total[_FIRST - 1 : -1]
         kernel = (s - 1) * np.log(more) + a * np.log(b) - (a + s) * np.log(b + more)
-        result: Array = kernel + gammaln(a + s) - gammaln(a) - gammaln(s)
+        result: Array = (kernel + gammaln(a + s) - gammaln(a) - gammaln(s)).sum(axis=0)
         return result
 
     def surprise(self) -> Array:

@@ -20,10 +20,7 @@ from robophm.learning.wear.models.candidates import (
     Array,
     DegradationPath,
     Indices,
-    ahead_of,
     origin_of_surprise,
-    origins,
-    scored,
 )  # fmt: skip
 
 NOISE = np.array([1e-5, 1e-3, 1e-2, 1e-1, 1.0, 10.0, 1e3])
@@ -104,10 +101,9 @@ class ScaledWiener:
 
     @property
     def scores(self) -> Array:
-        """Return scores of forecasts one step and several steps ahead."""
-        n = len(self.z)
-        several = {int(o): self._foretold(int(o), ahead_of(int(o), n)).mean(axis=0) for o in origins(n, FIRST)}
-        return scored(self.one_step, several, FIRST)
+        """Return the scores of what was foretold from each reading of the next."""
+        result: Array = self.one_step[FIRST:].sum(axis=0)
+        return result
 
     def _filtered(self) -> tuple[_States, Array]:
         z, n = self.z, len(self.z)
@@ -153,9 +149,6 @@ class ScaledWiener:
         spread = now.level_variance + 2 * h * now.covariance + h**2 * now.drift_variance + h
         spread = spread + self.wandering * h**3 / 3 + self.noises[later]
         return self.z[later] - now.level - now.drift * h, spread * now.squares / now.degrees, now.degrees
-
-    def _foretold(self, origin: int, later: Indices) -> Array:
-        return log_student(*self._ahead(origin, later)) + self.slopes[later]
 
     def surprise(self) -> Array:
         """Return the two-sided probability of the last reading, by Student's t."""
