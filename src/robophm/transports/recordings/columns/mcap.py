@@ -285,9 +285,10 @@ class McapFile(ChunkedFile):
         return table_of(found), position
 
     def _index_behind(self, channel: int, position: int) -> None:
-        """Keep where an index of the newest chunk lies; of two of one channel, one is of another that it hides."""
+        """Keep where an index of the newest chunk lies; of two of one channel, one is of another, or another chunk."""
         chunk = self.chunks[-1]
         if chunk.indices is not None and chunk.indices.setdefault(channel, position) != position:
+            self.lost("a second index of a channel, and maybe the chunk that it is of,", position)
             self.chunks[-1] = chunk._replace(indices=None)
 
     def _define(self, opcode: int, content: memoryview) -> None:
@@ -316,9 +317,9 @@ class McapFile(ChunkedFile):
         (stored,) = struct.unpack("<Q", self.between(start - 8, start))
         if opcode != CHUNK or start + stored > end or end > self.size:
             raise DamageError(f"no chunk at byte {offset}")
-        return Chunk(
-            min(first, MOST_TIME), min(last, MOST_TIME), offset, start, start + stored, compression, size, checksum, {}
-        )
+        if first > last or first >= MOST_TIME:  # no time at all, which would hide it
+            first, last = 0, MOST_TIME
+        return Chunk(first, min(last, MOST_TIME), offset, start, start + stored, compression, size, checksum, {})
 
     def _read_summary(self) -> None:
         start = self.size - _FOOTER_SIZE
