@@ -25,16 +25,21 @@ if TYPE_CHECKING:
     from robophm.health.fleet import Fleet
     from robophm.health.report import HealthReport
     from robophm.interface.bindings import bind
+    from robophm.interface.fault_trees import cutsets, fault_tree
+    from robophm.interface.faults import diagnose, fmeca
     from robophm.interface.field import learn
     from robophm.interface.handbook import models, rate
     from robophm.interface.importance import importance
-    from robophm.interface.lists import import_bom
-    from robophm.interface.lives import fit
+    from robophm.interface.lists import import_bom, import_legacy
+    from robophm.interface.lives import fit, fit_limited, fit_modes, fit_repaired, fit_stress
     from robophm.interface.outlook import predict
     from robophm.interface.plots import plot
+    from robophm.interface.predictions import calibrate, simulate
     from robophm.interface.tables import frame, rows
+    from robophm.interface.tasks import service, task, why
     from robophm.interface.upkeep import maintain
     from robophm.interface.wear import wear
+    from robophm.learning.wear.worn_mode import WearOptions
     from robophm.life import life_distribution
     from robophm.monitoring.monitor import Monitor
     from robophm.monitoring.replay import replay
@@ -57,10 +62,21 @@ __all__ = [
     "Structure",
     "Task",
     "Unit",
+    "WearOptions",
     "bind",
+    "calibrate",
+    "cutsets",
+    "diagnose",
+    "fault_tree",
     "fit",
+    "fit_limited",
+    "fit_modes",
+    "fit_repaired",
+    "fit_stress",
+    "fmeca",
     "frame",
     "import_bom",
+    "import_legacy",
     "importance",
     "learn",
     "life_distribution",
@@ -76,7 +92,11 @@ __all__ = [
     "rate",
     "replay",
     "rows",
+    "service",
+    "simulate",
+    "task",
     "wear",
+    "why",
 ]
 
 # Where each public name lives: it is imported when it is first asked for, so that `import robophm` costs nothing.
@@ -93,16 +113,21 @@ _HOMES = {
     "health.fleet": ("Fleet",),
     "health.report": ("HealthReport",),
     "interface.bindings": ("bind",),
+    "interface.fault_trees": ("cutsets", "fault_tree"),
+    "interface.faults": ("diagnose", "fmeca"),
     "interface.field": ("learn",),
     "interface.handbook": ("models", "rate"),
     "interface.importance": ("importance",),
-    "interface.lists": ("import_bom",),
-    "interface.lives": ("fit",),
+    "interface.lists": ("import_bom", "import_legacy"),
+    "interface.lives": ("fit", "fit_limited", "fit_modes", "fit_repaired", "fit_stress"),
     "interface.outlook": ("predict",),
     "interface.plots": ("plot",),
+    "interface.predictions": ("calibrate", "simulate"),
     "interface.tables": ("frame", "rows"),
+    "interface.tasks": ("service", "task", "why"),
     "interface.upkeep": ("maintain",),
     "interface.wear": ("wear",),
+    "learning.wear.worn_mode": ("WearOptions",),
     "life": ("life_distribution",),
     "monitoring.monitor": ("Monitor",),
     "monitoring.replay": ("replay",),

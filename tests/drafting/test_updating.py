@@ -88,3 +88,15 @@ def test_a_design_that_was_never_drafted_gets_the_parts_beside_its_own():
     found = updated(own, draft(), "robot.yaml")
     paths = {part.path for part in parse(found.text).all_components()}
     assert {"power/cell", "power/power supply", "elbow/gear"} <= paths
+
+
+def test_a_parts_list_that_comes_later_is_taken_in_once(tmp_path):
+    board = tmp_path / "board.csv"
+    board.write_text("Reference,Value,Footprint,Qty\nR1,10k,R_0603_1608Metric,1\n")
+    later = new(ARM, parts_lists={"elbow/board": board})
+    found = updated(draft().text, later, "robot.yaml")
+    assert states(found)["elbow/board"] == "changed"
+    assert "elbow/board/R1" in {part.path for part in parse(found.text).all_components()}
+    again = updated(found.text, later, "robot.yaml")
+    assert again.text == found.text
+    assert states(again)["elbow/board"] == "unchanged"

@@ -13,7 +13,6 @@ from robophm.cli.app import COMMANDS
 
 GUIDE = Path(__file__).parents[2] / "docs" / "guides" / "python.md"
 DESIGN = re.search(r"```yaml\n(.*?)```", GUIDE.read_text(encoding="utf-8"), re.DOTALL)[1]
-OF_COMMANDS_ALONE = {"data", "demo", "doctor", "schema", "serve", "topics"}
 
 
 @pytest.fixture

@@ -40,3 +40,16 @@ def test_ctrl_c_again_and_again_is_no_failure(tmp_path, times):
     design.write_bytes(OTA.read_bytes())
     for number in range(4 * times):
         assert interrupted(design, 0.1 * (number % 7), EVERY[number % 4]) == (0, "")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs signals")
+def test_without_a_design_a_new_robot_of_this_folder_is_served(tmp_path):
+    with subprocess.Popen(
+        [sys.executable, "-m", "robophm", "serve", "--port", "0"], cwd=tmp_path, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    ) as child:  # fmt: skip
+        assert child.stdout.readline().startswith("robot.yaml is served at http://127.0.0.1:")
+        child.send_signal(signal.SIGINT)
+        assert child.wait(60) == 0
+        assert "the page begins a new robot" in child.stderr.read()
+    assert not (tmp_path / "robot.yaml").exists()

@@ -67,7 +67,9 @@ def test_a_used_draft_is_saved_and_a_later_one_changes_what_nobody_touched(serve
     assert served.get("/api/new")["answers"] == {"computer": "none"}
     served.edit({"op": "put", "path": ["modules", "power", "components", "battery", "rate"], "value": "7 FPMH"},
                 {"op": "delete", "path": ["modules", "power", "components", "battery", "part"]})  # fmt: skip
-    use(served, answers={"computer": "raspberry pi"}, modules={"board.csv": "drive/board"})
+    hand_in(served, "later.csv", PARTS)
+    use(served, answers={"computer": "raspberry pi"}, modules={"board.csv": "drive/board", "later.csv": "later"})
+    assert "later/R1" in {part.path for part in load(served.design).all_components()}
     text = served.get("/api/design/text")["text"]
     assert "rate: 7 FPMH" in text
     assert "computing/computer" in {part.path for part in load(served.design).all_components()}

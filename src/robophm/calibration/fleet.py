@@ -28,7 +28,7 @@ from robophm.calibration.predictions import LEVELS, OWN, Lives, Predictions, Tas
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import HOUR, SECOND, Sample
 from robophm.core.waiting_time import time_at
-from robophm.design.file import load
+from robophm.design.file import parse, read
 from robophm.design.importers.legacy.figures import potc_paper
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge, Plan, Task
@@ -131,7 +131,9 @@ def predict_fleet(
     SourceError where the folder is not such a one.
     """
     models = models or dict(OURS)
-    robot = load(existing(folder / "robot.yaml"))
+    design = existing(folder / "robot.yaml")
+    text = read(design)
+    robot = parse(text, str(design))
     for part in robot.all_components():
         if part.quantity > 1:  # of which one is replaced while the others grow older: a ledger knows but one age
             raise SourceError(
@@ -145,7 +147,7 @@ def predict_fleet(
     found: dict[str, list[tuple[float, float, bool]]] = {name: [] for name in models}
     remaining: list[tuple[float, ...]] = []
     with ProcessPoolExecutor(jobs, get_context("spawn")) if jobs > 1 else nullcontext() as pool:
-        work = partial(_robot_predictions, folder, tuple(models.values()))
+        work = partial(_robot_predictions, folder, text, tuple(models.values()))
         done = pool.map(work, lives.items(), chunksize=_AT_ONCE) if pool else map(work, lives.items())
         for i, (tasks, life) in enumerate(done):
             for name, rows in zip(models, tasks, strict=True):
@@ -164,16 +166,17 @@ def predict_fleet(
 
 
 @lru_cache(maxsize=1)
-def _prepared(folder: Path) -> tuple[Plant, ExposureIntegrator]:
-    robot = load(folder / "robot.yaml")
+def _prepared(text: str) -> tuple[Plant, ExposureIntegrator]:
+    """The robot of a design's text, which each process reads once; another fleet in the same folder has another."""
+    robot = parse(text, "robot.yaml")
     return Plant(robot), ExposureIntegrator(robot)
 
 
 def _robot_predictions(
-    folder: Path, models: Sequence[Model], named: tuple[str, _Life]
+    folder: Path, design: str, models: Sequence[Model], named: tuple[str, _Life]
 ) -> tuple[list[list[tuple[float, float, bool]]], tuple[float, ...] | None]:
     """Predictions for one robot: (failure, probability, failed) of each task by each model, and its remaining life."""
-    plant, exposure = _prepared(folder)
+    plant, exposure = _prepared(design)
     name, life = named
     observer = _Observer(name, plant, exposure, _samples(folder, name, plant.robot), life)
     found: list[list[tuple[float, float, bool]]] = [[] for _ in models]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import typer
 
@@ -15,15 +15,15 @@ from robophm.cli.shared.stored_past import outlook_of
 from robophm.cli.shared.unused import refuse_unused
 from robophm.design.file import load
 from robophm.design.robot import Robot
-from robophm.health.effects import SilentStates, fault_chances, silent_states, unit_alarms
+from robophm.health.effects import fault_chances
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.report import plain
-from robophm.health.unknown_rates import PartsOfUnknownRate, marks, named, unknown, unknown_in_parts
+from robophm.health.unknown_rates import marks, named, unknown_in_parts
+from robophm.interface.faults import AddedSensors, added_sensors
 from robophm.learning.diagnosis.coverage_matrix import coverage, read_sensors, undetected_modes
 from robophm.learning.diagnosis.fault_isolation import Diagnosis, Sensor, suspects
-from robophm.learning.diagnosis.sensor_choice import Choice, choose, fitted_and_candidates
 from robophm.report.words import more_text, number_text, percent_text
 
 MOST_SUSPECTS = 15
@@ -75,7 +75,9 @@ def run(path: Path, table_of_sensors: Path, wishes: Wishes) -> None:
     found = None
     if wishes.alarms is not None:
         found = suspects(fault_chances(outlook, wishes.hours), sensors, wishes.alarms)
-    added = _added(outlook, sensors, wishes) if wishes.add else None
+    added = None
+    if wishes.add:
+        added = added_sensors(outlook, sensors, wishes.add, wishes.hours, wishes.function)
     if wishes.as_json:
         print_json(plain(_json(robot, sensors, found, added)))
     else:
@@ -99,24 +101,9 @@ def _outlook(robot: Robot, plant: Plant, wishes: Wishes) -> Outlook:
     return outlook_of(wishes.store, robot) if wishes.store else as_designed(plant, after=wishes.after or 0.0)
 
 
-class _Added(NamedTuple):
-    """The choice of sensors to add, and what it rests on."""
-
-    states: SilentStates
-    choice: Choice
-    unknown: PartsOfUnknownRate | None
-
-
-def _added(outlook: Outlook, sensors: list[Sensor], wishes: Wishes) -> _Added:
-    diagram = outlook.plant.diagram(wishes.function or "")
-    fitted, others = fitted_and_candidates(sensors)
-    states = silent_states(outlook, diagram, wishes.hours)
-    alarms = unit_alarms(outlook, states.states, [(sensor.detects, sensor.false_alarm) for sensor in sensors])
-    choice = choose(states.weights, states.outcome, alarms, wishes.add, base=fitted, candidates=others)
-    return _Added(states, choice, unknown(outlook, diagram))
-
-
-def _print(robot: Robot, sensors: list[Sensor], found: Diagnosis | None, added: _Added | None, wishes: Wishes) -> None:
+def _print(
+    robot: Robot, sensors: list[Sensor], found: Diagnosis | None, added: AddedSensors | None, wishes: Wishes
+) -> None:
     out = console()
     names = [sensor.name for sensor in sensors]
     matrix = [
@@ -134,7 +121,7 @@ def _print(robot: Robot, sensors: list[Sensor], found: Diagnosis | None, added: 
     if found:
         _print_suspects(robot, found, wishes)
     if added:
-        _print_choice(sensors, added, wishes)
+        _print_choice(added, wishes)
 
 
 def _print_suspects(robot: Robot, found: Diagnosis, wishes: Wishes) -> None:
@@ -168,16 +155,14 @@ def _print_suspects(robot: Robot, found: Diagnosis, wishes: Wishes) -> None:
             out.print(f"of unknown rate {more_text(more, 'listed')}", style="yellow", markup=False)
 
 
-def _print_choice(sensors: list[Sensor], added: _Added, wishes: Wishes) -> None:
-    states, choice, left_out = added
-    out, share = console(), added.choice.share
+def _print_choice(added: AddedSensors, wishes: Wishes) -> None:
+    states, choice, left_out = added.states, added.choice, added.unknown
+    out, share = console(), choice.share
     rows = []
-    for i, gain in zip(choice.chosen, choice.gains, strict=True):
-        price = sensors[i].price
+    for one, gain in zip(added.chosen, choice.gains, strict=True):
+        price = one.price
         per_price = "–" if price is None else percent_text(share(gain) / price)
-        rows.append(
-            [sensors[i].name, percent_text(share(gain)), "–" if price is None else number_text(price), per_price]
-        )
+        rows.append([one.name, percent_text(share(gain)), "–" if price is None else number_text(price), per_price])
     out.print()
     title = f"Sensors that tell most of whether it works through {number_text(wishes.hours)} h of operation"
     print_table(out, table(title, ["add", "doubt taken away", "price", "per price"], rows, figures=(1, 2, 3)))
@@ -197,7 +182,7 @@ def _print_choice(sensors: list[Sensor], added: _Added, wishes: Wishes) -> None:
                   style="yellow", markup=False)  # fmt: skip
 
 
-def _json(robot: Robot, sensors: list[Sensor], found: Diagnosis | None, added: _Added | None) -> dict[str, Any]:
+def _json(robot: Robot, sensors: list[Sensor], found: Diagnosis | None, added: AddedSensors | None) -> dict[str, Any]:
     document: dict[str, Any] = {
         "robot": robot.name, "coverage": coverage(robot, sensors), "unseen": undetected_modes(robot, sensors),
     }  # fmt: skip
@@ -207,9 +192,9 @@ def _json(robot: Robot, sensors: list[Sensor], found: Diagnosis | None, added: _
         if left_out := unknown_in_parts(robot.all_components()):
             document["unknown"] = {**asdict(left_out), "rivals": found.rivals}
     if added:
-        states, choice, unrated = added
+        states, choice, unrated = added.states, added.choice, added.unknown
         document["sensors"] = {
-            "chosen": [sensors[i].name for i in choice.chosen], "gains": list(choice.gains),
+            "chosen": [one.name for one in added.chosen], "gains": list(choice.gains),
             "variance": choice.variance, "fitted": choice.before, "all_candidates": choice.most, "bound": choice.bound,
             "exhaustive": choice.exhaustive, "at_least": choice.at_least,
             "missed": states.missed,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
@@ -14,11 +15,9 @@ from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError
 from robophm.design.file import load
 from robophm.design.robot import Robot
-from robophm.health.effects import Effect, check_severities, effects
-from robophm.health.outlooks import as_designed
-from robophm.health.plant import Plant
+from robophm.health.effects import Effect, check_severities
 from robophm.health.report import plain
-from robophm.learning.diagnosis.coverage_matrix import coverage, detection_probabilities, read_sensors
+from robophm.interface.faults import fmeca
 from robophm.report.fmeca_page import effect_text, fmeca_csv, fmeca_page, unknown_words
 from robophm.report.words import more_text, number_text
 
@@ -49,10 +48,8 @@ def run(
     if to is None:
         refuse_unused("effects that are not written (--to)", ("sensors", "hours", "severity"))
     robot = load(path)
-    sensors = read_sensors(table_of_sensors, robot) if table_of_sensors else []
-    sees = coverage(robot, [sensor for sensor in sensors if sensor.fitted])
-    outlook = as_designed(Plant(robot))
-    found = effects(outlook, hours, detection_probabilities(robot, sensors), _severities(severities, robot))
+    done = fmeca(robot, table_of_sensors, hours=hours, severities=_severities(severities, robot))
+    found, sees = done.effects, done.coverage
     if to:
         write(to, fmeca_csv(found, sees) if to.suffix == ".csv" else fmeca_page(robot.name, found, sees, hours))
     if as_json:
@@ -76,7 +73,7 @@ def _severities(texts: tuple[str, ...], robot: Robot) -> dict[str, int]:
     return found
 
 
-def _print_effects(robot: Robot, found: list[Effect], hours: float, to: Path | None) -> None:
+def _print_effects(robot: Robot, found: Sequence[Effect], hours: float, to: Path | None) -> None:
     out = console()
     columns = ["failure mode", "end effect", "within", "seen", "S", "O", "D", "RPN", "criticality"]
     rows = [

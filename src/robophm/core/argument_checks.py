@@ -73,7 +73,8 @@ def instance(value: Any, kind: Any, what: str, expected: str, error: Wrong = Rob
 
 def path(value: Any, what: str, error: Wrong) -> Path:
     """Return the path of a file; raises ``error`` for what is no path, or names no file."""
-    if not isinstance(value, str | os.PathLike) or not os.fspath(value) or isinstance(os.fspath(value), bytes):
+    text = os.fspath(value) if isinstance(value, str | os.PathLike) else b""
+    if not isinstance(text, str) or not text or "\0" in text:
         raise error(f"{what} {shown(value)}: expected the path of a file")
     found = value if isinstance(value, Path) else Path(value)  # to make one of one takes as long as to look
     try:

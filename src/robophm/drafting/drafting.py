@@ -55,6 +55,8 @@ class Draft:
     robot: Robot
     parts: tuple[DraftPart, ...]
     """The parts that the description, topics and answers tell of; those of parts lists are in ``text`` alone."""
+    lists: Mapping[str, Path]
+    """The parts lists by the module that they are of."""
     bound: tuple[Proposal, ...]
     """The signals that it listens to."""
     unbound: tuple[str, ...]
@@ -128,12 +130,13 @@ def drafted(
     text = design_text([*head, DRAFTED + json.dumps([one.path for one in parts], ensure_ascii=False)], keys, parts)
     robot, lists = parse(text, "the draft"), []
     for module, source in parts_lists.items():
-        text, said_of = _with_list(text, Path(source), module, keys["environment"])
+        text, said_of = with_list(text, Path(source), module, keys["environment"])
         lists.append(said_of)
     robot = parse(text, "the draft")
     doubts = tuple(_doubts(known, said))
     page = _page(robot, parts, bound, unbound, assumed, [*doubts, *of_keys, *left_to_others(known, said)], lists)
-    return Draft(text, robot, tuple(parts), tuple(bound), tuple(unbound), doubts, tuple(tasks), page, known)
+    files = {module: Path(source) for module, source in parts_lists.items()}
+    return Draft(text, robot, tuple(parts), files, tuple(bound), tuple(unbound), doubts, tuple(tasks), page, known)
 
 
 def _head(answers: Answers, changes: Sequence[Change]) -> list[str]:
@@ -204,8 +207,11 @@ def _bound(one: DraftPart, bound: Sequence[Proposal]) -> DraftPart:
     return replace(one, keys=keys)
 
 
-def _with_list(text: str, source: Path, module: str, environment: str) -> tuple[str, str]:
-    """A design with the parts of a list in one of its modules, and what was made of the list."""
+def with_list(text: str, source: Path, module: str, environment: str | None = None) -> tuple[str, str]:
+    """A design with the parts of a list in one of its modules, and what was made of the list. Raises DesignError.
+
+    ``environment`` is the design's unless given.
+    """
     steps = [step.strip() for step in module.split("/")]
     if not all(steps):
         raise RobophmError(f"{source}: module {module!r:.60}: expected names with / between them")

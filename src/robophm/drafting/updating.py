@@ -15,7 +15,7 @@ from typing import Any, Literal
 from robophm.core.errors import DesignError
 from robophm.design.draft import DraftPart, drafted, module_lines, part_lines, stamp, untouched
 from robophm.design.edited_text import EditedText, child, plain, scalars
-from robophm.drafting.drafting import ANSWERED, DRAFTED, Draft
+from robophm.drafting.drafting import ANSWERED, DRAFTED, Draft, with_list
 
 State = Literal["added", "changed", "unchanged", "kept", "removed"]
 
@@ -50,8 +50,17 @@ def was_drafted(text: str) -> bool:
 
 
 def updated(text: str, draft: Draft, label: str) -> Updated:
-    """The text of a design brought up to a later draft; ``label`` is what errors call it. Raises DesignError."""
-    return _Update(text, draft, label).made()
+    """The text of a design brought up to a later draft; ``label`` is what errors call it. Raises DesignError.
+
+    Parts of lists are brought up as ``robophm import-bom`` does, which leaves what people wrote.
+    """
+    found = _Update(text, draft, label).made()
+    now, outcomes = found.text, [*found.outcomes]
+    for module, source in draft.lists.items():
+        before = now
+        now, said = with_list(now, source, module)
+        outcomes.append(Outcome("unchanged" if now == before else "changed", module, said if now != before else ""))
+    return Updated(now, tuple(outcomes))
 
 
 def _told(text: str, key: str, nothing: Any) -> Any:

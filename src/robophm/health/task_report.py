@@ -39,7 +39,7 @@ class TaskFigures:
     sensor_based: Completion
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class TaskReport:
     """The answer for all tasks of a list."""
 
@@ -57,6 +57,10 @@ class TaskReport:
     """The effect of parts of unknown rate in the needed functions on the probabilities."""
     wear: tuple[SeenWear, ...] = ()
     """Wear that sensors see of failure modes."""
+
+    def __repr__(self) -> str:
+        chance = f"{self.together['sensor_based'].probability:.6g}"
+        return f"<TaskReport of {self.robot!r}: {len(self.tasks)} tasks, completed with {chance}>"
 
     @property
     def distance(self) -> float:

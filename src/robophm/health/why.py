@@ -54,7 +54,7 @@ class DecidingPart:
     """The robot's median remaining life [h] if this part aged as designed from now on; None where it does."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Explanation:
     """The answer to why a robot's health is as it is now."""
 
@@ -68,6 +68,10 @@ class Explanation:
     """How far ahead failures are looked for [h of calendar time]."""
     parts: tuple[DecidingPart, ...]
     """The parts that decide, the largest share first; none where nothing is left to fail."""
+
+    def __repr__(self) -> str:
+        first = f", {self.parts[0].path} first" if self.parts else ""
+        return f"<Explanation: works on for {self.works_for:.6g} h with {self.chance:g}{first}>"
 
 
 def explain(report: HealthReport) -> Explanation:

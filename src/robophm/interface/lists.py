@@ -1,4 +1,4 @@
-"""A parts list as part of a design: ``robophm.import_bom``."""
+"""Other files as a design: ``robophm.import_bom`` of a parts list, ``robophm.import_legacy`` of the 2020 tool."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from robophm.core.errors import DesignError
 from robophm.design.importers import bom
 from robophm.design.importers.bom import ImportedList
 from robophm.design.importers.bom.assumptions import Assumptions
+from robophm.design.importers.legacy import reading
 
 
 def import_bom(
@@ -27,3 +28,11 @@ def import_bom(
         path(parts_list, "parts list", DesignError), path(design, "design", DesignError),
         assumptions=Assumptions(temperature, stress, quality=quality), environment=environment, module=steps,
     )  # fmt: skip
+
+
+def import_legacy(source: str | os.PathLike[str]) -> reading.Imported:
+    """Make a design of a file of the 2020 tool, as text, with what is odd in it: nothing is written.
+
+    Raises DesignError, with file and line, for what is no such file.
+    """
+    return reading.import_legacy(path(source, "file of the 2020 tool", DesignError))

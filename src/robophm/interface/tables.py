@@ -7,16 +7,22 @@ from dataclasses import asdict, is_dataclass
 from functools import singledispatch
 from typing import Any
 
+from robophm.blocks.listed_sets import ListedSets
+from robophm.calibration.score import Calibration
 from robophm.core.argument_checks import shown
 from robophm.core.errors import RobophmError
 from robophm.design.robot import Robot
 from robophm.health.importance import Importances
 from robophm.health.report import HealthReport
+from robophm.health.task_report import TaskReport
 from robophm.health.what_matters import WhatMatters
+from robophm.health.why import Explanation
 from robophm.interface.asking import of_extra
+from robophm.interface.faults import Diagnosed, Fmeca
 from robophm.interface.field import Learned
 from robophm.interface.wear import Wear
 from robophm.learning.life_data.distribution_fitting import Fit
+from robophm.learning.life_data.failure_modes import ModesFit
 from robophm.learning.maintenance.upkeep import UpkeepPlan
 
 Rows = list[dict[str, Any]]
@@ -33,7 +39,8 @@ def rows(answer: Any) -> Rows:
     """An answer as a list of rows, each a mapping of a column to a number or text; times in hours.
 
     Of a robot: its failure modes; of a health report: robot, modules, functions and components; of importances: units;
-    of fits, learned rates, wear and upkeep: one row each. Raises RobophmError for what is no answer.
+    of fits, learned rates, wear, upkeep, effects of failures, suspects, cut sets, tasks, what decides, and models that
+    were judged: one row each. Raises RobophmError for what is no answer.
     """
     if isinstance(answer, Sequence) and answer and all(isinstance(one, Fit) for one in answer):
         return [row for one in answer for row in rows(one)]
@@ -126,4 +133,63 @@ def _(answer: UpkeepPlan) -> Rows:
          "cost_per_hour": one.policy.cost_rate, "if_never": one.policy.never, "due_in_hours": one.due,
          "stops_robot": one.stops}
         for one in answer.parts
+    ]  # fmt: skip
+
+
+@rows.register
+def _(answer: ModesFit) -> Rows:
+    return [{"failure_mode": name, "first_in": answer.shares[name], **rows(one)[0]}
+            for name, one in answer.modes.items()]  # fmt: skip
+
+
+@rows.register
+def _(answer: Fmeca) -> Rows:
+    return [{**asdict(one), "rpn": one.rpn, "criticality": one.criticality} for one in answer.effects]
+
+
+@rows.register
+def _(answer: Diagnosed) -> Rows:
+    if answer.diagnosis:
+        return [one._asdict() for one in answer.diagnosis.suspects]
+    return [
+        {"failure_mode": mode, "sensor": sensor, "detects": chance}
+        for mode, sees in answer.coverage.items() for sensor, chance in sees.items()
+    ]  # fmt: skip
+
+
+@rows.register
+def _(answer: ListedSets) -> Rows:
+    return [
+        {"parts": ", ".join(one.names), "order": len(one.names), "probability": one.probability,
+         "share": answer.share(one)}
+        for one in answer.sets
+    ]  # fmt: skip
+
+
+@rows.register
+def _(answer: TaskReport) -> Rows:
+    return [
+        {"task": one.task.name or f"task {i}", "distance": one.task.distance, "duration": one.task.duration,
+         "nominal_completion": one.nominal.probability, "sensor_based_completion": one.sensor_based.probability}
+        for i, one in enumerate(answer.tasks, 1)
+    ]  # fmt: skip
+
+
+@rows.register
+def _(answer: Explanation) -> Rows:
+    return [
+        {"part": one.path, "quantity": one.quantity, "share": one.share, "pace": one.pace, "silent": one.silent,
+         "median_if_relieved": one.relieved}
+        for one in answer.parts
+    ]  # fmt: skip
+
+
+@rows.register
+def _(answer: Calibration) -> Rows:
+    return [
+        {"model": one.model, "rejected": one.rejected, "tasks": one.tasks and one.tasks.tasks,
+         "failed": one.tasks and one.tasks.failed, "expected": one.tasks and one.tasks.expected,
+         "brier": one.tasks and one.tasks.brier.score, "lives": one.lives and one.lives.lives,
+         "crps": one.lives and one.lives.crps}
+        for one in answer.models
     ]  # fmt: skip

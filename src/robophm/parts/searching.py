@@ -10,7 +10,7 @@ import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from functools import cache
-from itertools import islice, product
+from itertools import islice, product, takewhile
 from typing import NamedTuple
 
 from robophm.core.errors import slips
@@ -23,6 +23,12 @@ little.
 
 _STRANGE = 0.5
 """Weight of a word that no entry has: it may be a maker's name, or the very thing that is not there."""
+
+_VERSION = 0.2
+"""Weight of a number of one or two digits, which says which one it is: 4, of a Raspberry Pi and of a 4-in-1 ESC."""
+
+_FAMILY = 4
+"""Letters and digits that codes of one maker's family begin with alike: TB6612 and TB6600."""
 
 _SLIPPED = 0.6
 """Weight of a word with a letter put right, for an entry that has no other: it may have meant another."""
@@ -52,6 +58,8 @@ _BEHIND = re.compile(r"\b(?:with|for|of|in|on|from)\b|[,(]")
 
 class _Phrase(NamedTuple):
     words: frozenset[str]
+    size: float
+    """What its words count together."""
     head: str
     """Word that says what the thing is: bearing, for a wheel bearing."""
     trust: float
@@ -87,10 +95,12 @@ class _Fit(NamedTuple):
 def _fit(weight: Mapping[str, float], entry: _Indexed) -> _Fit:
     if any(weight[word] == 1 for word in entry.all & weight.keys()):
         weight = {word: 1.0 if one == _SLIPPED else one for word, one in weight.items()}
-    total, best = sum(weight.values()), 0.0
+    total, best, all_known = sum(weight.values()), 0.0, weight.keys() <= entry.all
     for phrase in entry.phrases:
         if phrase.head in weight or entry.often & weight.keys():
-            fit = 2 * sum(weight[word] for word in phrase.words & weight.keys()) / (len(phrase.words) + total)
+            fit = 2 * sum(weight[word] for word in phrase.words & weight.keys()) / (phrase.size + total)
+            if all_known and phrase.words <= weight.keys():  # m.2, nvme and drive are all of them words of an SSD
+                fit = max(fit, ENOUGH)
             if fit >= ENOUGH:
                 called = 1.0 if phrase.head in weight else _ASIDE
                 best = max(best, fit * phrase.trust * called + _KIND * ([*weight][-1] in phrase.words))
@@ -103,10 +113,20 @@ def _index() -> dict[str, _Indexed]:
     for name, entry in library().items():
         said = [(word, 1 - _LATER * place) for place, word in enumerate(entry.words)]
         said += [(name.replace("_", " "), 1.0), (entry.title, 0.9)]
-        phrases = tuple(_Phrase(frozenset(_tokens(text)), _head(text), trust) for text, trust in said)
+        phrases = tuple(_phrase(text, trust) for text, trust in said)
         count = Counter(word for phrase in phrases for word in phrase.words)
         found[name] = _Indexed(phrases, frozenset(word for word in count if count[word] >= _OFTEN), frozenset(count))
     return found
+
+
+def _phrase(text: str, trust: float) -> _Phrase:
+    words = frozenset(_tokens(text))
+    return _Phrase(words, sum(map(_counts, words)), _head(text), trust)
+
+
+def _counts(word: str) -> float:
+    """What a word that entries have counts: a version or a size less than what the thing is called."""
+    return _VERSION if word.isdigit() and len(word) < 3 else 1.0
 
 
 def _head(text: str) -> str:
@@ -150,7 +170,27 @@ def _as_known(word: str) -> list[dict[str, float]]:
     """A word as entries may write it: as two, as in servomotor, or with a slip of one letter put right."""
     known = _known()
     if word in known:
-        return [{word: 1.0}]
+        return [{word: _counts(word)}]
+    if family := _of_family(word):
+        return [dict.fromkeys(family, 1.0)]
     apart = ((word[:i], word[i:]) for i in range(2, len(word) - 1))
     two = [dict.fromkeys(pair, 1.0) for pair in apart if known.issuperset(pair)]
     return [*two[:1], *({one: _SLIPPED} for one in sorted(known) if slips(word, one) == 1), {word: _STRANGE}]
+
+
+_CODE = re.compile(r"[a-z]{2,}\d[a-z\d]*")
+"""A maker's code: letters, then digits."""
+
+
+def _of_family(word: str) -> list[str]:
+    """The known codes that begin as a code does, where it is none of them: the longest beginning in common, alike."""
+    if not _CODE.fullmatch(word):
+        return []
+    alike = {one: _shared(one, word) for one in _known() if _CODE.fullmatch(one)}
+    most = max(alike.values(), default=0)
+    return [one for one, shared in alike.items() if shared == most] if most >= _FAMILY else []
+
+
+def _shared(one: str, other: str) -> int:
+    """How many letters and digits two codes begin with alike."""
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False)))

@@ -90,6 +90,22 @@ def test_what_cannot_be_read_is_refused_in_words_and_leaves_nothing_behind(nothi
     assert look.serious() == []
 
 
+DROP = """(area) => {
+  const dropped = new DataTransfer();
+  dropped.items.add(new File(["Reference,Value,Footprint,Qty\\nR1,10k,R_0603_1608Metric,1\\n"], "board.csv"));
+  area.dispatchEvent(new DragEvent("drop", {dataTransfer: dropped, bubbles: true, cancelable: true}));
+}"""
+
+
+def test_a_dropped_file_is_handed_in_and_taken_away_again(nothing, visit):
+    page = visit(nothing).open()
+    page.locator(".drop").evaluate(DROP)
+    page.get_by_role("button", name="Take away board.csv").wait_for()
+    page.get_by_role("row", name="electronics/board/R1").wait_for()
+    page.get_by_role("button", name="Take away board.csv").click()
+    page.get_by_text("Nothing is here yet.").wait_for()
+
+
 def test_a_robot_by_words_alone_on_a_phone(nothing, visit):
     look = visit(nothing)
     look.page.set_viewport_size(PHONE)

@@ -14,9 +14,9 @@ function sizeText(bytes: number): string {
 
 /** Files that were dropped, those in folders among them. */
 async function dropped(event: DragEvent): Promise<File[]> {
-  const entries = [...event.dataTransfer.items].map((one) => one.webkitGetAsEntry()).filter((one) => one !== null);
-  const found = await Promise.all(entries.map(within));
-  return found.flat();
+  const found = [...event.dataTransfer.items].map((one) => one.webkitGetAsEntry() ?? one.getAsFile()); // at once: later they are gone
+  const files = await Promise.all(found.map((one) => (one === null ? [] : one instanceof File ? [one] : within(one))));
+  return files.flat();
 }
 
 async function within(entry: FileSystemEntry): Promise<File[]> {
