@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
+from pathlib import Path
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -166,6 +167,8 @@ class WearSignal:
     """Standard deviation of the threshold, in the same unit; 0: it is exactly known."""
     share: float = 1.0
     """Share of the hazard of its failure mode that the wear stands for; the rest comes by chance."""
+    teachers: str | None = None
+    """Name of a table, in the robot's ``folder``, with such readings of others of its kind; None: there is none."""
 
     @property
     def signals(self) -> tuple[str, ...]:
@@ -360,6 +363,8 @@ class Robot(Module):
     """Remarks on what the design's sensors rest on, and what they do not reach."""
     design_hash: str = ""
     """SHA-256 of the design's content, to tell results of different designs apart."""
+    folder: Path = Path()
+    """Folder that the design's file is in, for tables that it names; that of a text by itself is where one works."""
 
     def __repr__(self) -> str:
         counts = f"{self.part_count} parts, {len(self.modes)} failure modes, {len(self.signals)} signals"

@@ -41,10 +41,15 @@ class StatedLife:
         return self.life.degree != 1.0
 
     def weights(self, now: float, remaining: Array) -> Array:
-        """Return weights of remaining times from ``now`` on; shape of ``remaining``. What foretold them takes all
-        magnitudes for alike."""
+        """Return weights of remaining times from ``now`` on; shape of ``remaining``.
+
+        They are the stated density over what draws have for a prior. A flat prior of the pace is one of the remaining
+        time R as R⁻² where the level now is what is known, and as (now + R)⁻² where the whole course is; of both it is
+        taken as 1/(R·(now + R)).
+        """
         ages = self.new_age + self.pace * (now + remaining)
-        result: Array = remaining * np.mean([k * self.life.density(k * ages) for k in _FACTORS], axis=0)
+        stated = np.mean([k * self.life.density(k * ages) for k in _FACTORS], axis=0)
+        result: Array = remaining * (now + remaining) * stated
         return result
 
     def given(self, found: Forecast, now: float) -> Forecast:
