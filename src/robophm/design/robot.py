@@ -425,8 +425,7 @@ class Robot(Module):
         return found
 
     def part_of(self, mode: FailureMode) -> str:
-        """Return the path of the component that a failure mode belongs to: its own, or for a common cause's the
-        member."""
+        """Return the path of the component that a failure mode belongs to; for a common cause's, of the member."""
         return self._parts[mode.origin]
 
     @cached_property
@@ -443,11 +442,8 @@ class Robot(Module):
         for mode in self.modes:
             for stress in mode.stresses:
                 found |= {channel.signal: channel.unit for channel in stress.channels.values()}
-        for mode in self.modes:
-            if wear := mode.wear:
-                found.setdefault(wear.gauge.signal, wear.unit)
-                if wear.ambient:
-                    found.setdefault(wear.ambient.signal, wear.unit)
-                if wear.load:
-                    found.setdefault(wear.load.signal, None)
+        for wear in (mode.wear for mode in self.modes if mode.wear):
+            for gauge, unit in ((wear.gauge, wear.unit), (wear.ambient, wear.unit), (wear.load, None)):
+                if gauge:
+                    found.setdefault(gauge.signal, unit)
         return found

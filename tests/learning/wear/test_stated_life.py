@@ -50,10 +50,13 @@ def test_an_aged_part_is_given_its_age_and_its_pace(monkeypatch):
 
 
 def test_what_readings_contradict_gives_way():
-    """Readings that are good to 20 % say a fiftieth of what is stated: they are believed."""
+    """Readings that are good to 20 % say a fiftieth of what is stated: they are believed.
+
+    Weights rise as R² and as a Weibull of shape 3 begins, age², at most: a shift of ln R by 4·0.2².
+    """
     seen = foretold(norm.ppf(LEVELS, np.log(100), 0.2))
     found = StatedLife(Weibull(scale=5000.0, shape=3.0), 0.0).given(seen, 10.0)
-    assert found.remaining.median == pytest.approx(seen.remaining.median, rel=0.15)
+    assert 1 <= found.remaining.median / seen.remaining.median < np.exp(4 * 0.2**2) * 1.01
 
 
 def test_a_constant_rate_says_nothing_of_when_wear_ends():
