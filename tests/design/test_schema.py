@@ -182,7 +182,7 @@ components:
     learned: {factor: 2, shape: 3, failures: 2, expected: 1, exposure: 1e6 h, low: 0.5, high: 4, prior: 1, note: odd}
     wear:
       {topic: /lamp, field: lux, unit: lx, range: [0, 1e4], reading: lowest, every: 2 h, threshold: 50 lx,
-       threshold_deviation: 2 lx, share: 0.7,
+       threshold_deviation: 2 lx, share: 0.7, teachers: lamps.csv,
        ambient: {topic: /day, field: lux, range: [0, 1e4], max_age: 9 s}, load: {topic: /u, field: v, range: [11, 13]}}
   Pump: {rate: 5 FIT, quantity: 3}
   Wheel: {rate: 5 FIT, quantity: 2}

@@ -24,7 +24,8 @@ from robophm.design.robot import Robot
 from robophm.health.worn import SeenWear
 from robophm.learning.wear.backtest import Backtest
 from robophm.learning.wear.indexed_mode import indexed_mode_of_tables
-from robophm.learning.wear.worn_mode import WearOptions, WornMode, one_mode, others_of_table, worn_mode_of_table
+from robophm.learning.wear.teachers import others_of_table
+from robophm.learning.wear.worn_mode import WearOptions, WornMode, one_mode, worn_mode_of_table
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.wear_from_recordings import seen_in, wear_history, worn_in, worn_modes
 from robophm.monitoring.worn_life import WornLife, worn_lives
@@ -221,7 +222,7 @@ def _of_recordings(
         warn(f"{what} ({count:,} times)" if count > 1 else what)
     if wishes.fleet and len(modes) > 1:
         raise DataError(f"{wishes.fleet}: of which part are these others? expected --part")
-    others = others_of_table(wishes.fleet, modes[0], dated=False) if wishes.fleet else ()
+    others = others_of_table(wishes.fleet, modes[0].clock, dated=False) if wishes.fleet else None
     found, missed = worn_in(history, modes, wishes.options, others)
     for one in missed:
         warn(f"{one}; it is left out")

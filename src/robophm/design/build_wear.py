@@ -47,6 +47,7 @@ def build_wear(place: Path, said: schema.Wear, quantity: int) -> WearSignal:
         quantity_at((*place, "threshold"), said.threshold, in_reading),
         deviation,
         said.share,
+        said.teachers,
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -29,7 +30,7 @@ _Model = TypeVar("_Model", bound="BaseModel")
 def load(path: str | os.PathLike[str]) -> Robot:
     """Read a robot's design. Raises DesignError, one line with file, line, place, what was expected."""
     where = given_path(path, "design", DesignError)
-    return parse(read(where), str(where))
+    return parse(read(where), str(where), where.parent)
 
 
 def example_design() -> Path:
@@ -40,8 +41,11 @@ def example_design() -> Path:
     return shipped("examples/ota/robot.yaml")
 
 
-def parse(text: str, name: str = "design") -> Robot:
-    """A robot from the text of a design file; ``name`` is what errors call it. Raises DesignError."""
+def parse(text: str, name: str = "design", folder: Path = Path()) -> Robot:
+    """A robot from the text of a design file; ``name`` is what errors call it, ``folder`` where it is.
+
+    Raises DesignError.
+    """
     data, lines = mapping(text, name, "design")
     from robophm.design.build import build
     from robophm.design.located_error import LocatedError
@@ -49,7 +53,7 @@ def parse(text: str, name: str = "design") -> Robot:
 
     said = validated(RobotFile, data, name, lines)
     try:
-        return build(said)
+        return replace(build(said), folder=folder)
     except LocatedError as fault:
         raise DesignError(located(name, lines, fault.place, str(fault))) from None
 
@@ -111,7 +115,7 @@ def rewrite(path: Path, text: str) -> Robot:
 
     Raises DesignError, the file as it was, where the text is no valid design or cannot be written.
     """
-    robot = parse(text, str(path))
+    robot = parse(text, str(path), path.parent)
     replace_text(path, text)
     return robot
 
@@ -121,7 +125,7 @@ def write(path: Path, text: str) -> Robot:
 
     Raises DesignError, nothing written, where the text is no valid design or cannot be written.
     """
-    robot = parse(text, str(path))
+    robot = parse(text, str(path), path.parent)
     write_text(path, text)
     return robot
 

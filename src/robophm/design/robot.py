@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -331,6 +332,8 @@ class Robot(Module):
     """SHA-256 of the design's content, to tell results of different designs apart."""
     identity: str = ""
     """Name under which its past is kept; its own unless the design states another."""
+    folder: Path = Path()
+    """Folder that the design's file is in, for tables that it names; that of a text by itself is where one works."""
 
     def __repr__(self) -> str:
         counts = f"{self.part_count} parts, {len(self.modes)} failure modes, {len(self.signals)} signals"
@@ -391,8 +394,7 @@ class Robot(Module):
         return found
 
     def part_of(self, mode: FailureMode) -> str:
-        """Return the path of the component that a failure mode belongs to: its own, or for a common cause's the
-        member."""
+        """Return the path of the component that a failure mode belongs to; for a common cause's, of the member."""
         return self._parts[mode.origin]
 
     @cached_property
@@ -409,11 +411,8 @@ class Robot(Module):
         for mode in self.modes:
             for stress in mode.stresses:
                 found |= {channel.signal: channel.unit for channel in stress.channels.values()}
-        for mode in self.modes:
-            if wear := mode.wear:
-                found.setdefault(wear.gauge.signal, wear.unit)
-                if wear.ambient:
-                    found.setdefault(wear.ambient.signal, wear.unit)
-                if wear.load:
-                    found.setdefault(wear.load.signal, None)
+        for wear in (mode.wear for mode in self.modes if mode.wear):
+            for gauge, unit in ((wear.gauge, wear.unit), (wear.ambient, wear.unit), (wear.load, None)):
+                if gauge:
+                    found.setdefault(gauge.signal, unit)
         return found

@@ -193,6 +193,10 @@ class Wear(Strict):
     share: float = Field(
         1.0, gt=0, le=1, description="of the mode's hazard, what wear stands for; the rest comes by chance"
     )
+    teachers: str | None = Field(
+        None, pattern=r"^[^/\\\x00-\x1f]+\.csv$", max_length=200,
+        description="a table beside the design, unit, time, value: such readings of others that wore out or still run",
+    )  # fmt: skip
 
     @model_validator(mode="after")
     def _load_has_a_range(self) -> Wear:

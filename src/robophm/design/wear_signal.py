@@ -37,6 +37,8 @@ class WearSignal:
     """Standard deviation of the threshold, in the same unit; 0: it is exactly known."""
     share: float = 1.0
     """Share of the hazard of its failure mode that the wear stands for; the rest comes by chance."""
+    teachers: str | None = None
+    """Name of a table, in the robot's ``folder``, with such readings of others of its kind; None: there is none."""
 
     @property
     def signals(self) -> tuple[str, ...]:

@@ -13,7 +13,8 @@ from robophm.design.robot import Robot
 from robophm.health.worn import SeenWear
 from robophm.interface.asking import Paths, RobotOrPath, ledger_of, paths_of, robot_of
 from robophm.learning.wear.indexed_mode import indexed_mode_of_tables
-from robophm.learning.wear.worn_mode import WearOptions, WornMode, one_mode, others_of_table, worn_mode_of_table
+from robophm.learning.wear.teachers import others_of_table
+from robophm.learning.wear.worn_mode import WearOptions, WornMode, one_mode, worn_mode_of_table
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.wear_from_recordings import seen_in, wear_history, worn_in, worn_modes
 from robophm.monitoring.worn_life import WornLife, worn_lives
@@ -81,7 +82,7 @@ def wear(
     if others and len(modes) > 1:
         raise DataError(f"{others}: of which part are these others? expected its path")
     history = wear_history(found, paths, modes, skip_missing=bool(skip_missing))
-    units = others_of_table(others, modes[0], dated=False) if others else ()
+    units = others_of_table(others, modes[0].clock, dated=False) if others else None
     worn, missed = worn_in(history, modes, chosen, units)
     notes = (*sorted(history.notes), *map(str, missed))
     if store is not None:

@@ -11,7 +11,6 @@ import threading
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from types import MappingProxyType
 
 import numpy as np
 
@@ -26,6 +25,7 @@ from robophm.learning.wear.alarm_episodes import episodes
 from robophm.learning.wear.among_others import Unit
 from robophm.learning.wear.readings_table import Readings
 from robophm.learning.wear.stated_life import StatedLife
+from robophm.learning.wear.teachers import teachers_of
 from robophm.learning.wear.worn_mode import WearOptions, WornMode, changes_in, worn_mode
 
 KEPT = 256
@@ -35,13 +35,13 @@ _forecasts: OrderedDict[tuple[object, ...], SeenWear] = OrderedDict()
 _lock = threading.Lock()
 
 
-def seen_wear(
-    robot: Robot, ledger: Ledger, others: Mapping[str, Sequence[Unit]] = MappingProxyType({})
-) -> tuple[SeenWear, ...]:
+def seen_wear(robot: Robot, ledger: Ledger, others: Mapping[str, Sequence[Unit]] | None = None) -> tuple[SeenWear, ...]:
     """Return the wear of every failure mode whose signal was read, in design order; it depends on readings alone.
 
-    ``others``: by path of a failure mode, units of its kind, as teachers; what is returned is a ``wear`` of reports.
+    ``others``: by path of a failure mode, units of its kind, as teachers; None: those that the design names. What is
+    returned is a ``wear`` of reports. Raises DataError where a table of teachers is none.
     """
+    others = teachers_of(robot) if others is None else others
     return tuple(
         seen_of_mode(robot, mode, mode.wear, course, others.get(mode.path, ()))
         for mode in robot.modes

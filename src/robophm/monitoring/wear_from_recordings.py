@@ -12,6 +12,7 @@ from robophm.design.robot import FailureMode, Robot
 from robophm.health.wear_readings import NO_READINGS, WearReadings
 from robophm.health.worn import SeenWear
 from robophm.learning.wear.among_others import Unit
+from robophm.learning.wear.teachers import teachers_of
 from robophm.learning.wear.worn_mode import WearOptions, WornMode
 from robophm.monitoring.block_monitor import BlockMonitor
 from robophm.monitoring.monitor import Monitor
@@ -55,19 +56,20 @@ def worn_modes(robot: Robot, part: str | None = None) -> list[FailureMode]:
 
 
 def worn_in(
-    history: WearHistory, modes: Sequence[FailureMode], options: WearOptions, others: Sequence[Unit] = ()
+    history: WearHistory, modes: Sequence[FailureMode], options: WearOptions, others: Sequence[Unit] | None = None
 ) -> tuple[list[WornMode], list[DataError]]:
     """Return the wear of each failure mode, and why there is none for those of which the history says too little.
 
-    ``others``: units of its kind, as teachers.
+    ``others``: units of its kind, as teachers; None: those that the design names.
 
     Raises DataError, the first of these, where there is none of any.
     """
+    named = teachers_of(history.monitor.robot) if others is None else {mode.path: others for mode in modes}
     found: list[WornMode] = []
     missed: list[DataError] = []
     for mode in modes:
         try:
-            found.append(_worn(mode, history, options, others))
+            found.append(_worn(mode, history, options, named.get(mode.path, ())))
         except DataError as error:
             missed.append(error)
     if not found:

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
 from robophm.health.worn import SeenWear
+from robophm.learning.wear.teachers import teachers_of
 from robophm.monitoring.seen_wear import seen_of_mode, with_alarms
 
 GROWTH = 0.05
@@ -22,9 +23,13 @@ class WearWatch:
     """
 
     def __init__(self, robot: Robot, growth: float = 0.0, *, alarms: bool = False) -> None:
-        """``growth``: share of new readings that is waited for; ``alarms``: look for changes of the signals too."""
+        """``growth``: share of new readings that is waited for; ``alarms``: look for changes of the signals too.
+
+        Raises DataError where a table of teachers that the design names is none.
+        """
         self._modes = [(mode, mode.wear) for mode in robot.modes if mode.wear]
         self._robot, self._growth, self._alarms = robot, growth, alarms
+        self._others = teachers_of(robot)
         self._found: dict[str, tuple[tuple[int, int, int], SeenWear]] = {}
         self._lock = threading.Lock()
         self._thread: threading.Thread | None = None
@@ -60,7 +65,7 @@ class WearWatch:
             if course is None or not self._due(mode.key, ledger):
                 continue
             stand = course.begun, course.doubled, len(course.stretches)
-            seen = seen_of_mode(self._robot, mode, said, course)
+            seen = seen_of_mode(self._robot, mode, said, course, self._others.get(mode.path, ()))
             if self._alarms:
                 (seen,) = with_alarms(self._robot, ledger, [seen])
             with self._lock:

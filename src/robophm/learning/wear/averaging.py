@@ -257,17 +257,20 @@ def _goals(deviation: float, now: float, rng: np.random.Generator, draws: int) -
 
 
 def _surprise(course: DegradationPath) -> float:
-    """The surprise of the last two readings, the larger: one alone that lies far off is a bad reading.
+    """The surprise of the last reading, or of the one before where that is less: one alone that lies far off is bad."""
+    found = _surprise_of_last(course)
+    return found if found >= UNFOLLOWED else max(found, _surprise_of_last(course.until(len(course.times) - 1)))
+
+
+def _surprise_of_last(seen: DegradationPath) -> float:
+    """The probability that the last reading lies so far from what was foretold of it.
 
     Models are weighted by what they had foretold when the reading was foretold, and not by itself.
     """
-    found = []
-    for seen in (course, course.until(len(course.times) - 1)):
-        now, then = (_candidates(one) for one in (seen, seen.until(origin_of_surprise(len(seen.times)) + 1)))
-        weights = averaged([one for name, one in then.items() if name in now])
-        names = [name for name in then if name in now]
-        found.append(sum(float(share @ now[name].surprise()) for name, share in zip(names, weights, strict=True)))
-    return max(found)
+    now, then = (_candidates(one) for one in (seen, seen.until(origin_of_surprise(len(seen.times)) + 1)))
+    names = [name for name in then if name in now]
+    weights = averaged([then[name] for name in names])
+    return sum(float(share @ now[name].surprise()) for name, share in zip(names, weights, strict=True))
 
 
 def _candidates(course: DegradationPath) -> dict[str, Candidates]:

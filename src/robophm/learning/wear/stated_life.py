@@ -21,8 +21,12 @@ Array = npt.NDArray[np.float64]
 DOUBT, DEGREES = 0.5, 3
 """Deviation and degrees of freedom of ln(factor): with 90 % between a third and three times what is stated."""
 
-_SHARES = (np.arange(21) + 0.5) / 21
-_FACTORS = np.exp(DOUBT * student.ppf(_SHARES, DEGREES))
+BEYOND = 3.0
+"""How many times outside of what 98 % of such lives are stated to be it is contradicted, and readings alone count."""
+
+_LOGS = np.arange(-12.0, 12.01, 0.25)  # of the factor: far enough for what is stated in another unit
+_FACTORS = np.exp(_LOGS)
+_SHARES = student.pdf(_LOGS / DOUBT, DEGREES) / student.pdf(_LOGS / DOUBT, DEGREES).sum()
 
 
 @dataclass(frozen=True)
@@ -35,22 +39,34 @@ class StatedLife:
     pace: float = 1.0
     """Age that a unit of that clock adds."""
 
-    @property
-    def says(self) -> bool:
-        """Whether it says anything of when wear ends: whether its hazard depends on age."""
-        return self.life.degree != 1.0
+    def says(self, now: float, median: float) -> bool:
+        """Whether it says anything of wear whose median remaining time is foretold: its hazard depends on age, and what
+        is foretold does not contradict it altogether, from a few readings on."""
+        low, high = self.life.quantile(0.01), self.life.quantile(0.99)
+        age = self.new_age + self.pace * (now + median)
+        return self.life.degree != 1.0 and float(low) / BEYOND <= age <= float(high) * BEYOND
 
     def weights(self, now: float, remaining: Array) -> Array:
-        """Return weights of remaining times from ``now`` on; shape of ``remaining``. What foretold them takes all
-        magnitudes for alike."""
+        """Return weights of remaining times from ``now`` on; shape of ``remaining``.
+
+        They are the stated density over what draws have for a prior. A flat prior of the pace is one of the remaining
+        time R as R⁻² where the level now is what is known, and as (now + R)⁻² where the whole course is; of both it is
+        taken as 1/(R·(now + R)).
+        """
         ages = self.new_age + self.pace * (now + remaining)
-        result: Array = remaining * np.mean([k * self.life.density(k * ages) for k in _FACTORS], axis=0)
+        each = np.geomspace(max(float(ages.min()), 1e-300), max(float(ages.max()), 1e-300), 300)  # it is smooth
+        density = sum(
+            (share * k * self.life.density(k * each) for k, share in zip(_FACTORS, _SHARES, strict=True)),
+            np.zeros(len(each)),
+        )
+        stated = np.interp(ages, each, density)
+        result: Array = remaining * (now + remaining) * stated
         return result
 
     def given(self, found: Forecast, now: float) -> Forecast:
         """Return a forecast made at ``now`` with this life as its prior; the share that never ends stays as it is."""
         ending = np.flatnonzero(np.isfinite(found.passage))
-        if not self.says or not found.shows or not len(ending):
+        if not found.shows or not len(ending) or not self.says(now, float(np.median(found.passage[ending]))):
             return found
         shares = np.cumsum(self.weights(now, found.passage[ending]))
         if not shares[-1] > 0:

@@ -17,8 +17,9 @@ from robophm.learning.wear.averaging import Forecast
 from robophm.learning.wear.backtest import Backtest, backtest
 from robophm.learning.wear.conditions import forecast_under
 from robophm.learning.wear.cusum import Cusum, design
-from robophm.learning.wear.readings_table import Array, Readings, at_load, read_readings, read_units
+from robophm.learning.wear.readings_table import Array, Readings, at_load, read_readings
 from robophm.learning.wear.stated_life import StatedLife
+from robophm.learning.wear.teachers import others_of_table, teachers_of
 
 FIRST = 8
 """Readings, or a quarter of them if that is less, whose median says on which side of the threshold a signal begins."""
@@ -189,7 +190,8 @@ def worn_mode_of_table(
     """The wear of a failure mode, or of a part with one, from a table of readings.
 
     The threshold is the design's unless given. ``fleet``: a table of the same signal of other units, with a column
-    ``unit``. Raises DataError where a table is none, the part is several, or what would be needed is not said.
+    ``unit``; else those that the design names, where the table has nothing that theirs have not. Raises DataError where
+    a table is none, the part is several, or what would be needed is not said.
     """
     mode = one_mode(robot, part)
     if threshold is None and mode.wear:
@@ -200,28 +202,13 @@ def worn_mode_of_table(
     readings = read_readings(path, CLOCK_UNITS[mode.clock])
     if (readings.load is None) != (load is None):
         raise DataError(f"{path}: a column 'load', and the load at which readings are compared: expected both")
-    others = others_of_table(fleet, mode, dated=readings.dated, load=load) if fleet else ()
+    others: Sequence[Unit] = ()
+    if fleet:
+        others = others_of_table(fleet, mode.clock, dated=readings.dated, load=load)
+    elif not (readings.dated or readings.conditions or load is not None):
+        others = teachers_of(robot).get(mode.path, ())
     stated = None if readings.dated else StatedLife(mode.life, 0.0)
     return worn_mode(
         mode, str(path), readings, threshold, deviation=deviation or 0.0, load=load, options=options, others=others,
         to_come=to_come, stated=stated,
     )  # fmt: skip
-
-
-def others_of_table(path: Path, mode: FailureMode, *, dated: bool, load: float | None = None) -> list[Unit]:
-    """Units of a table, whose readings must be like those of the one that is asked about.
-
-    Raises DataError, with the unit, where they are not.
-    """
-    found = []
-    for name, one in read_units(path, CLOCK_UNITS[mode.clock]).items():
-        if one.load is not None or load is not None:
-            raise DataError(f"{path}: readings that come with a load are not compared between units; expected none")
-        if one.dated != dated:
-            raise DataError(
-                f"{path}: unit {name!r:.40} has dates or ages where the other readings have not; expected alike"
-            )
-        if len(one.times) < 2:
-            raise DataError(f"{path}: unit {name!r:.40} has one reading; expected at least two")
-        found.append(Unit(one.times, one.values, conditions=one.conditions))
-    return found

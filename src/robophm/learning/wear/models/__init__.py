@@ -9,6 +9,8 @@ entry-point group ``robophm.learning.wear.models``.
 
 from __future__ import annotations
 
+from functools import cache
+
 from robophm.core.errors import PlugError
 from robophm.core.registry import load_plug, plugs
 from robophm.learning.wear.models.candidates import Candidates, DegradationPath
@@ -16,9 +18,10 @@ from robophm.learning.wear.models.candidates import Candidates, DegradationPath
 NOT_PLUGS = ("candidates", "scaled_wiener")  # the interface, and what several share
 
 
-def degradation_models() -> list[str]:
-    """Names of all degradation models that can be had here, sorted."""
-    return plugs(__name__)
+@cache
+def degradation_models() -> tuple[str, ...]:
+    """Names of all degradation models that can be had here, sorted; looked for once."""
+    return tuple(plugs(__name__))
 
 
 def candidates_of(name: str, course: DegradationPath) -> Candidates | None:
