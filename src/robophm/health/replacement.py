@@ -27,7 +27,7 @@ MOST = 100
 
 _AT_ONCE = 4_000_000  # numbers that one array may hold
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
-_NOTHING = 1e-12  # of a figure, below which two do not differ
+_NOTHING = 1e-9  # of a figure, below which a gain is rounding, and no reason to replace anything
 _LIKELY = 1e-3  # P(works now, for all that is known of its parts), below which nothing is subtracted
 _CLOSE = 0.25  # in ln t: closer edges say nothing more
 _DOUBLINGS = 2.0 ** np.arange(-40, 7)
