@@ -128,6 +128,7 @@ def test_what_the_reader_refuses_the_schema_refuses(text):
 EVERYTHING = """
 schema_version: 1
 name: R
+identity: an earlier name
 description: of everything
 environment: GM
 quality: known pedigree
