@@ -3,6 +3,8 @@
 PYTHON ?= $(shell sh tools/find-python)
 BIN := .venv/bin
 CHECKED := src tests benchmarks tools
+# The tests start hundreds of commands: each would be compiled anew.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: help setup demo demo-ros lint check peers test test-full test-fresh calibrate prognostics new-user fuzz bench clean
 .DEFAULT_GOAL := help

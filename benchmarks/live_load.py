@@ -51,7 +51,7 @@ print(json.dumps({{"messages": count[0] - before, "cpu": cpu}}))
 
 def send(ros: str, seconds: float) -> None:
     """All topics in turn, by their numbers, until the time is over."""
-    from robophm.transports.running_ros import open_live
+    from robophm.transports.running_robot import open_live
 
     live = open_live(ros)
     with live.node("/sender") as node:
@@ -115,7 +115,7 @@ def listen(ros: str, seconds: float, journal: str) -> None:
     from robophm.design.file import parse
     from robophm.monitoring.live_loop import watch
     from robophm.transports.recordings.journal import Journal
-    from robophm.transports.running_ros import open_live
+    from robophm.transports.running_robot import open_live
 
     robot, clock = parse(design()), Clock(PERIOD)
     gc.collect()

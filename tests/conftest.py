@@ -20,6 +20,7 @@ settings.load_profile("robophm")
 NO_SHARED = "no shared/ folder beside the project"
 NO_ROSCORE = "no roscore and rospy (sudo sh tools/ros-peers installs them)"
 NO_FASTDDS = "no Fast DDS with its headers, or no g++ (sudo sh tools/ros-peers installs them)"
+NO_MOSQUITTO = "no Mosquitto, or no paho-mqtt (sudo sh tools/ros-peers installs the broker)"
 PEERS = Path(__file__).parents[1] / "tools" / "ros-peers"
 NO_CYCLONEDDS = "no cyclonedds wheel for this Python or machine"
 NO_RCLPY = "no rclpy (with ROS 2's setup sourced, it is there)"
@@ -65,9 +66,9 @@ def fastdds() -> None:
         pytest.skip(f"{NO_FASTDDS}; missing: {absent}")
 
 
-def missing(ros: str) -> str:
-    """The packages of Debian that tests of this ROS need, and that are not there."""
-    listed = subprocess.run(["sh", str(PEERS), "missing", ros], capture_output=True, text=True, check=True, timeout=60)
+def missing(peer: str) -> str:
+    """The packages of Debian that tests beside this peer need, and that are not there."""
+    listed = subprocess.run(["sh", str(PEERS), "missing", peer], capture_output=True, text=True, check=True, timeout=60)
     return " ".join(listed.stdout.split())
 
 
@@ -117,7 +118,7 @@ def answer(record_property: Callable[[str, object], None]) -> Callable[..., None
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Say how many tests what is absent has cost, and which published answers were compared."""
     reasons = [str(report.longrepr) for report in terminalreporter.stats.get("skipped", [])]
-    for absent in (NO_SHARED, NO_ROSCORE, NO_FASTDDS, NO_CYCLONEDDS, NO_RCLPY, NO_BROWSER):
+    for absent in (NO_SHARED, NO_ROSCORE, NO_FASTDDS, NO_MOSQUITTO, NO_CYCLONEDDS, NO_RCLPY, NO_BROWSER):
         if skipped := sum(absent in reason for reason in reasons):
             terminalreporter.write_line(f"{skipped} tests skipped: {absent}", yellow=True)
     answers = [

@@ -232,14 +232,6 @@ def test_a_report_states_the_cause_beside_its_members() -> None:
     assert json.loads(json.dumps(report.to_json()))["components"][2]["path"] == "heat"
 
 
-def test_a_ledger_of_another_common_cause_is_refused() -> None:
-    from robophm.core.errors import StoreError
-
-    alone = robot({"A": WEAR, "B": WEAR}, diagram=PAIR["diagram"])
-    with pytest.raises(StoreError, match="heat/A"):
-        Ledger.of(robot({"A": WEAR, "B": WEAR}, **PAIR), Ledger.new(alone).to_json())
-
-
 @pytest.fixture(autouse=True, scope="module")
 def _more_digits() -> Any:
     with mp.workdps(60):

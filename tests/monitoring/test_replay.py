@@ -80,7 +80,7 @@ def test_a_store_of_a_part_that_may_have_another_name_is_refused(ota: Robot, rec
     other = parse(OTA.read_text(encoding="utf-8").replace("YSK-G", "YSK-H"))
     with pytest.raises(
         StoreError,
-        match=r"for other parts: .Computation/YSK-G \(operating, age scaling\). is in it alone, .Computation/YSK-H",
+        match=r"'Computation/YSK-H' has no past, and 'Computation/YSK-G' has one, but is gone: whether",
     ):
         replay(other, recorded[".mcap"], store=store)
 

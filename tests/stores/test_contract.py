@@ -46,6 +46,7 @@ def report(time: int, health: float) -> dict[str, Any]:
 
 def test_what_is_not_there(store: Store) -> None:
     assert store.ledger("R") is None
+    assert store.robots() == []
     assert store.progress("R", "drive") == Progress("drive", 0, False)
     assert list(store.history("R")) == []
 
@@ -55,6 +56,7 @@ def test_what_is_read_is_what_was_saved_bit_for_bit(store: Store) -> None:
     store.save("S", OTHER)
     assert json.dumps(store.ledger("R")) == json.dumps(STATE)  # −0.0 too
     assert store.ledger("S") == OTHER
+    assert store.robots() == ["R", "S"]
     assert store.progress("R", "drive") == Progress("drive", 7, False)
     assert store.progress("S", "drive") == Progress("drive", 0, False)
     assert list(store.history("S")) == []

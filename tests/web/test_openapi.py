@@ -36,7 +36,7 @@ def test_routes_of_another_package_are_found(tmp_path, monkeypatch):
 schema = schemathesis.openapi.from_dict(json.loads(DOCUMENT.read_text(encoding="utf-8")))
 schema.config.phases.coverage.enabled = False  # it makes bodies of tens of megabytes, to no end but to be refused
 CHECKS = (not_a_server_error, status_code_conformance, response_schema_conformance)
-STARTS = ("/api/monitoring/start", "/api/topics")
+STARTS = ("/api/monitoring/start", "/api/new/example", "/api/topics")
 """What reaches for robots on the network, or takes seconds: tested by itself."""
 
 

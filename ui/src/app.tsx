@@ -6,6 +6,7 @@ import { Help } from "./parts/Help";
 import { Icon, State } from "./parts/Icon";
 import { OutsideDialog } from "./parts/OutsideDialog";
 import { Palette } from "./parts/Palette";
+import { PastButton } from "./parts/Past";
 import { ProblemsButton } from "./parts/Problems";
 import { Toasts } from "./parts/Toasts";
 import { PAGES } from "./pages";
@@ -63,11 +64,13 @@ function Top({ openPalette, openHelp }: { openPalette: () => void; openHelp: () 
         {MONITORING[monitoring] ?? "Not watching"}
       </span>
       {health && health.state !== "idle" && (
-        <a className="health" href="#/overview" aria-label={`Health: ${health.state}`}>
+        <a className="health" href="#/overview">
+          <span className="hidden">Health: </span>
           <State of={health.state} limited={health.limits_set} title={health.why.join("\n") || undefined} />
         </a>
       )}
       <ProblemsButton />
+      <PastButton />
       <button onClick={() => void undo()} disabled={undoes == null} title={undoes == null ? "Nothing to undo" : `Undo: ${undoes} (Ctrl+Z)`}>
         Undo
       </button>

@@ -29,7 +29,7 @@ COMMANDS = {
     "predict": "Say what lies ahead: remaining life, task completion.",
     "task": "Say whether a robot can do its tasks: the probability that each will be completed, and what decides it.",
     "replay": "A robot's health after what it recorded: drives in the order of their time, however many.",
-    "watch": "The health of a robot that runs, from ROS 1 or ROS 2 and back to it, until it is interrupted.",
+    "watch": "The health of a robot that runs, from ROS or MQTT and back to it, until it is interrupted.",
     "topics": "What a robot that runs publishes: topics, types, rates, and the last value of each number.",
     "import-bom": "Put the parts of a list into a design, rated where enough is known, and say what was assumed.",
     "import-legacy": "Make a design of a file of the 2020 tool, and say what is odd in it.",

@@ -16,15 +16,13 @@ from robophm.cli.shared.output import console, may_make, may_write, print_json, 
 from robophm.cli.shared.progress import counted
 from robophm.core.errors import RobophmError
 from robophm.design.file import parse, read, write_text
-from robophm.drafting.answers import Answers, Known, asked
+from robophm.drafting.answers import Answers, asked
 from robophm.drafting.composing import Change, change_of
 from robophm.drafting.drafting import Draft, drafted, evidence
 from robophm.drafting.first_look import FirstLook, first_look, part_figures
-from robophm.drafting.updating import Outcome, Updated, earlier_answers, updated
+from robophm.drafting.updating import Outcome, Updated, updated
+from robophm.drafting.writing import ASSUMPTIONS, TASKS, with_earlier, write_beside
 from robophm.health.report import plain
-
-ASSUMPTIONS, TASKS = "assumptions.md", "tasks.yaml"
-"""Names of the two files that are written into the folder of the design: a page of assumptions, and a task file."""
 
 
 @dataclass(frozen=True)
@@ -97,12 +95,13 @@ def run(design: Path, wishes: Wishes, *, as_json: bool) -> None:
         else:
             may_make(path, *inputs, force=wishes.force)
     before = read(design) if wishes.update else ""
-    answers, changes = _with_earlier(wishes, before)
+    answers, changes = with_earlier(wishes.answers, wishes.changes, before)
     with counted(progress_console(), "reading") as advance:
         advance(0, 1)
         known = evidence(wishes.urdf, wishes.bags)
     if not wishes.silent:
-        _say_what_there_is(known)
+        for line in known.summary:
+            console().print(line, markup=False)
         answers = asked(answers, known, ask)
     draft = drafted(known, answers, changes, wishes.parts_lists, name=wishes.name)
     while not wishes.silent:
@@ -118,14 +117,15 @@ def run(design: Path, wishes: Wishes, *, as_json: bool) -> None:
             warn(str(error))
     brought = updated(before, draft, str(design)) if before else Updated(draft.text, ())
     look = first_look(parse(brought.text, str(design)), wishes.bags)
-    _write(design, draft, brought.text, again=bool(before))
+    write_text(design, brought.text)
+    files = [design, *write_beside(design, draft, again=bool(before))]
     outcomes = brought.outcomes
     if as_json:
         print_json(_document(design, draft, look, outcomes))
         return
     if wishes.silent:
         print_parts_of(part_figures(draft.robot))
-    _print(design, draft, look, outcomes)
+    _print(files, draft, look, outcomes)
 
 
 def _folder_of(design: Path) -> None:
@@ -136,37 +136,6 @@ def _folder_of(design: Path) -> None:
         design.parent.mkdir(exist_ok=True)
     except OSError as error:
         raise RobophmError(f"{design.parent}: cannot be made: {error.strerror}") from None
-
-
-def _with_earlier(wishes: Wishes, before: str) -> tuple[Answers, list[Change]]:
-    """Answers and changes, with those of an earlier draft where none are given now."""
-    told = earlier_answers(before)
-    earlier = [change_of(str(one)) for one in told.pop("changes", [])]
-    now = {key: text for key, text in asdict(wishes.answers).items() if text is not None}
-    names = {one.part for one in wishes.changes}
-    return Answers().with_(**{**told, **now}), [*(one for one in earlier if one.part not in names), *wishes.changes]
-
-
-def _say_what_there_is(known: Known) -> None:
-    out = console()
-    if known.description:
-        found = known.description
-        moving = sum(joint.moves for joint in found.joints)
-        out.print(
-            f"{found.name}: {len(found.links)} links, {moving} joints that move, {found.mass:.3g} kg", markup=False
-        )
-    if known.seen.recorded:
-        bags, topics = len(known.seen.recorded), len(known.seen.topics)
-        out.print(f"{bags} recording{'s' * (bags != 1)}, {topics} topics", markup=False)
-
-
-def _write(design: Path, draft: Draft, text: str, *, again: bool) -> None:
-    """The design, the page of assumptions, and the tasks, which at an update are left as somebody has them."""
-    write_text(design, text)
-    write_text(design.parent / ASSUMPTIONS, draft.assumptions)  # what somebody noted there is kept as .bak
-    tasks = design.parent / TASKS
-    if draft.tasks and not (again and tasks.exists()):
-        write_text(tasks, draft.tasks_file)
 
 
 def _document(design: Path, draft: Draft, look: FirstLook, outcomes: Sequence[Outcome]) -> dict[str, Any]:
@@ -190,7 +159,7 @@ def _document(design: Path, draft: Draft, look: FirstLook, outcomes: Sequence[Ou
     }  # fmt: skip
 
 
-def _print(design: Path, draft: Draft, look: FirstLook, outcomes: Sequence[Outcome]) -> None:
+def _print(files: Sequence[Path], draft: Draft, look: FirstLook, outcomes: Sequence[Outcome]) -> None:
     out = console()
     for doubt in draft.doubts:
         warn(doubt)
@@ -199,6 +168,5 @@ def _print(design: Path, draft: Draft, look: FirstLook, outcomes: Sequence[Outco
         if one.state != "unchanged":
             out.print(f"{one.state}: {one.name}{': ' * bool(one.text)}{one.text}", markup=False, soft_wrap=True)
     print_look(look)
-    files = [str(design), str(design.parent / ASSUMPTIONS)]
-    files += [str(design.parent / TASKS)] if draft.tasks else []
-    out.print(f"\nwritten: {', '.join(files)}; next: robophm check {design}", markup=False, soft_wrap=True)
+    written = ", ".join(map(str, files))
+    out.print(f"\nwritten: {written}; next: robophm check {files[0]}", markup=False, soft_wrap=True)

@@ -47,13 +47,13 @@ def command(
     kept: Store | None = open_store(store) if store else MemoryStore() if report else None
     spans = [(session.first, session.last) for session in sessions]
     with kept or nullcontext(), progress(progress_console(), spans, "replaying") as tick:
-        done = [session for session in sessions if kept and kept.progress(robot.name, session.key).complete]
+        done = [session for session in sessions if kept and kept.progress(robot.identity, session.key).complete]
         if done and len(sessions) == 1:
             warn(f"this recording is already in {store}; it is not counted again")
         elif done:
             warn(f"{len(done)} of {len(sessions)} recordings are already in {store}; they are not counted again")
         health = replace(replay_sessions(robot, sessions, store=kept, on_tick=tick), horizon=ahead)
-        past = (list(kept.history(robot.name)), kept.ledger(robot.name)) if kept and report else ()
+        past = (list(kept.history(robot.identity)), kept.ledger(robot.identity)) if kept and report else ()
     if report:
         write(report, health_page(robot, health, *past))
     if as_json:

@@ -42,7 +42,7 @@ def command(
         from robophm.stores import open_store
 
         with open_store(store) as past:
-            history = list(past.history(robot.name))
+            history = list(past.history(robot.identity))
     data = ledger.to_json() if ledger else None
     health = Monitor(robot, ledger).report(horizon=ahead, alarms=True)
     html = health_page(robot, health, history, data)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,11 +10,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from robophm.cli.shared.options import Design, GrowingStore
+from robophm.cli.shared.options import GrowingStore
 from robophm.cli.shared.output import console, may_write, warn
 from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError
+from robophm.stores import open_store, place_of
 
 if TYPE_CHECKING:
     from robophm.web.service import Service
@@ -34,16 +36,22 @@ class Wishes:
     synthetic: bool
     start: str | None
     speed: float
+    no_store: bool = False
 
 
 def command(
-    design: Design,
+    design: Annotated[
+        Path, typer.Argument(help="the robot's design file; one that is not there yet is drafted on the page")
+    ] = Path("robot.yaml"),
     host: Annotated[str, typer.Option(help="address to listen on; any but 127.0.0.1 needs --token")] = "127.0.0.1",
     port: Annotated[int, typer.Option(min=0, max=65535, help="0 is any that is free")] = 8707,
     token: Annotated[
         str | None, typer.Option(help="secret that browsers must show once", envvar="ROBOPHM_TOKEN")
     ] = None,
     store: GrowingStore = None,
+    no_store: Annotated[
+        bool, typer.Option("--no-store", help="keep the robot's past nowhere; else beside the design")
+    ] = False,
     journal: Annotated[Path | None, typer.Option(help="write every sample to the end of this journal")] = None,
     recordings: Annotated[
         list[Path] | None, typer.Option("--replay", help="recordings that can be watched as if they were live")
@@ -55,13 +63,29 @@ def command(
     speed: Annotated[float, typer.Option(help="of a recording, as a multiple of its own")] = 1.0,
 ) -> None:
     """The page: design a robot, bind its sensors and watch its health, in any browser."""
-    run(design, Wishes(host, port, token, store, journal, tuple(recordings or ()), synthetic, start, speed))
+    run(design, Wishes(host, port, token, store, journal, tuple(recordings or ()), synthetic, start, speed,
+                       no_store))  # fmt: skip
+
+
+def own_store(design: Path) -> str | None:
+    """The store of a robot that is asked for none: beside its design; None, with a warning, where it cannot be there.
+
+    Raises StoreError where a store is there that is of another version.
+    """
+    path = design.with_name(f"{design.name}.past")
+    there = path if path.exists() else path.parent
+    if path.is_dir() or not os.access(there, os.W_OK):
+        warn(f"{path}: cannot be written; the robot's past is kept only until this ends, or with --store elsewhere")
+        return None
+    if path.exists():
+        open_store(path).close()
+    return str(path)
 
 
 def run(design: Path, wishes: Wishes) -> None:
     """Serve the page until interrupted. Raises RobophmError."""
     if wishes.start is None:
-        used = ("host", "port", "token", "store", "journal", "recordings", "synthetic")
+        used = ("design", "host", "port", "token", "store", "no_store", "journal", "recordings", "synthetic")
         refuse_unused("a page on which nothing is watched at once (--start)", used)
     from robophm.transports.recordings.files import recordings_in
 
@@ -72,19 +96,26 @@ def run(design: Path, wishes: Wishes) -> None:
         if error.name and error.name.partition(".")[0] in ("fastapi", "uvicorn", "starlette", "websockets"):
             raise RobophmError(f"{LACKING}: there is no {error.name}") from None
         raise
+    if wishes.store and wishes.no_store:
+        raise RobophmError("--store and --no-store: expected one of them")
     may_write(wishes.journal, design, *files_of(wishes.store))
     for file in files_of(wishes.store):
         may_write(file, design)
+    own = None if wishes.no_store or wishes.store else own_store(design)
     settings = Settings(
-        design, wishes.store, wishes.journal, recordings_in(wishes.recordings), 1 if wishes.synthetic else None,
-        wishes.host, wishes.token,
+        design, wishes.store or own, wishes.journal, recordings_in(wishes.recordings), 1 if wishes.synthetic else None,
+        wishes.host, wishes.token, own_store=own is not None,
     )  # fmt: skip
 
     def ready(address: str, service: Service, stop: Callable[[], None]) -> None:
+        if not service.workspace.lasting:
+            warn(f"{design.parent}: cannot be written; edits cannot be saved, and are kept only until this ends")
         if service.workspace.begun:
             warn(f"{design}: no such file; the page begins a new robot, and saving makes the file")
         if wishes.start:
             service.watch(wishes.start, wishes.speed)
         console().print(f"{design} is served at {address} until Ctrl+C", markup=False, soft_wrap=True)
+        where = f"in {place_of(settings.store)}" if settings.store else "only until then"
+        console().print(f"The robot's past is kept {where}", markup=False, soft_wrap=True)
 
     serve(settings, wishes.port, ready)

@@ -42,7 +42,7 @@ def command(
         elif repaired is not None:
             repair(robot, ledger, part, repaired, failed=failed)
         if len(ledger.services) > before:
-            kept.save(robot.name, ledger.to_json())
+            kept.save(robot.identity, ledger.to_json())
     some = services_of(robot, ledger, part) if history else ledger.services[before:]
     if as_json:
         print_json({"robot": robot.name, "services": [one._asdict() for one in some]})

@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated
 
 import typer
 
 from robophm.cli.shared.options import Design, Json, stated_store
-from robophm.cli.shared.output import console, print_json
+from robophm.cli.shared.output import console, may_write, print_json, print_table, table
+from robophm.cli.shared.stored_past import files_of
+from robophm.core.errors import RobophmError, nearest
 from robophm.core.signal import HOUR
-from robophm.design.file import load
-from robophm.monitoring.stored_past import repair_past
+from robophm.design import identity_edits
+from robophm.design.file import DesignFile, load, rewrite
+from robophm.design.robot import Robot
+from robophm.health.ledger_parts import Fate
+from robophm.monitoring.stored_past import fates_in, identity_in, repair_past
 from robophm.report.words import moment_text, number_text
 
 command = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None)
+
+StoreOfRobot = Annotated[
+    str, typer.Option("--store", help="the robot's past, as kept by replay or watch", callback=stated_store)
+]
 
 
 @command.callback()
@@ -22,13 +32,62 @@ def _store() -> None:
 
 
 @command.command()
-def repair(
+def parts(
     design: Design,
-    path: Annotated[
-        str, typer.Option("--store", help="the robot's past, as kept by replay or watch", callback=stated_store)
-    ],
+    path: StoreOfRobot,
+    same: Annotated[
+        list[str] | None, typer.Option(help="what was OLD is NEW now, a part or a module; several", metavar="OLD=NEW")
+    ] = None,
+    new: Annotated[list[str] | None, typer.Option(help="this part is new; several", metavar="PART")] = None,
     as_json: Json = False,
 ) -> None:
+    """Say what becomes of the past of each part under a design; write the answers to what is asked into the design."""
+    robot = load(design)
+    if same or new:
+        may_write(design, *files_of(path))
+        file = DesignFile(design)
+        for old, now in map(_pair, same or ()):
+            _check(robot, now)
+            identity_edits.state(file.document, "" if now == robot.name else now, identity_in(path, robot, old))
+        for one in new or ():
+            _check(robot, one)
+            identity_edits.state(file.document, one, one)
+        robot = rewrite(design, file.text())
+    found = fates_in(path, robot)
+    if as_json:
+        print_json({"robot": robot.name, "parts": [{**one._asdict(), "said": one.said} for one in found]})
+        return
+    _print(robot, found, str(design), answered=bool(same or new))
+
+
+def _pair(said: str) -> tuple[str, str]:
+    old, equals, now = said.partition("=")
+    if not (old and equals and now):
+        raise RobophmError(f"--same {said!r:.80}: expected OLD=NEW, the paths of one part before and now")
+    return old, now
+
+
+def _check(robot: Robot, path: str) -> None:
+    known = [robot.name, *robot.levels, *(part.path for part in robot.all_components() if not part.members)]
+    if path not in known:
+        raise RobophmError(f"no part or module '{path}' in the design{nearest(path, known)}")
+
+
+def _print(robot: Robot, found: Sequence[Fate], design: str, *, answered: bool) -> None:
+    out = console()
+    if answered:
+        out.print(f"written to {design}", markup=False)
+    told = [one for one in found if one.kind != "same"]
+    if told:
+        rows = [[one.path, one.said] for one in told]
+        print_table(out, table(f"What becomes of the past of {robot.name}", ("part", "its past"), rows))
+    out.print(f"{len(found) - len(told)} parts go on as they are", markup=False)
+    if any(one.kind == "asked" for one in told):
+        out.print("--same OLD=NEW says that a part has the past of OLD; --new PART says that it has none", markup=False)
+
+
+@command.command()
+def repair(design: Design, path: StoreOfRobot, as_json: Json = False) -> None:
     """Take a jump of the clock by years out of a robot's past, and what came behind it; a copy is kept beside it."""
     robot = load(design)
     found = repair_past(path, robot)

@@ -7,31 +7,32 @@ from typing import Annotated, Any
 
 import typer
 
-from robophm.cli.shared.options import Json, Ros
+from robophm.cli.shared.options import Json, Via
 from robophm.cli.shared.output import console, print_json, print_table, table, warn
 from robophm.core.counted_notes import said
+from robophm.core.signal import is_topic
 from robophm.report.words import number_text
 from robophm.transports.live.listening import HeardTopic, listen_for
-from robophm.transports.running_ros import open_live
+from robophm.transports.running_robot import open_live
 
 SHOWN = 6
 """Numbers of one topic in the table; JSON has all."""
 
 
 def command(
-    ros: Ros = "auto",
+    via: Via = "auto",
     seconds: Annotated[float, typer.Option(min=0.5, max=3600, help="to listen")] = 3.0,
     as_json: Json = False,
 ) -> None:
     """What a robot that runs publishes: topics, types, rates, and the last value of each number."""
-    opened = open_live(ros)
+    opened = open_live(via)
     print(opened.said, file=sys.stderr)
     with opened.source as source:
         heard = listen_for(source, seconds)
         notes = source.notes.copy()
     if as_json:
         print_json({
-            "ros": opened.generation, "transport": opened.transport, "reason": opened.reason, "seconds": seconds,
+            "system": opened.system, "transport": opened.transport, "reason": opened.reason, "seconds": seconds,
             "topics": [_document(one) for one in heard], "notes": dict(sorted(notes.items())),
         })  # fmt: skip
         return
@@ -53,7 +54,9 @@ def _row(one: HeardTopic) -> list[str]:
     info = one.info
     shown = [f"{field} {number_text(one.values[field])}" for field in one.fields if field in one.values]
     more = f", … {len(shown) - SHOWN} more" if len(shown) > SHOWN else ""
-    if not info.fields:
+    if not is_topic(info.topic):
+        shown = ["a dot or blank in its name; it is heard where the address names the topic above it"]
+    elif not info.fields:
         shown = ["its definition is not known" if info.type else "nobody tells its type"]
     told = "".join(f"; {field} of {', '.join(of)}" for field, of in one.names.items())
     rate = "–" if info.rate is None else number_text(info.rate)

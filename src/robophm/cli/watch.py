@@ -19,7 +19,7 @@ from rich.live import Live
 
 from robophm.cli import BREACHED
 from robophm.cli.shared.live_table import LiveTable
-from robophm.cli.shared.options import Design, GrowingStore, Json, Ros, Unit
+from robophm.cli.shared.options import Design, GrowingStore, Json, Unit, Via
 from robophm.cli.shared.output import console, may_write, print_json, print_report, warn
 from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.task_words import stated_speed
@@ -34,7 +34,7 @@ from robophm.report.words import duration_text, number_text, probability_text, r
 from robophm.stores import open_store
 from robophm.transports.health_topics import HealthTopics, Outlet
 from robophm.transports.recordings.journal import Journal
-from robophm.transports.running_ros import open_live
+from robophm.transports.running_robot import open_live
 from robophm.transports.signals.report_sink import JudgedTask, ReportSink
 from robophm.transports.tasks.listener import topics_to_hear
 
@@ -43,8 +43,8 @@ from robophm.transports.tasks.listener import topics_to_hear
 class Watched:
     """The options of a watch."""
 
-    ros: str
-    """The ROS that is listened to: auto, 1 or 2."""
+    via: str
+    """The way the robot is heard: auto, ros1, ros2, dds, rclpy or the address of an MQTT broker."""
     store: str | None
     journal: Path | None
     period: float
@@ -64,7 +64,7 @@ class Watched:
 
 def _only(asked: Watched) -> None:
     """Refuse what is not used for what is asked."""
-    used = ["ros", "store", "journal", "period", "every", "publish", "namespace", "tasks", "speed", "function"]
+    used = ["via", "store", "journal", "period", "every", "publish", "namespace", "tasks", "speed", "function"]
     if asked.as_json:
         refuse_unused("JSON, in 1/h", [*used, "frame"])
     if not asked.publish:
@@ -73,7 +73,7 @@ def _only(asked: Watched) -> None:
 
 def command(
     design: Design,
-    ros: Ros = "auto",
+    via: Via = "auto",
     store: GrowingStore = None,
     journal: Annotated[Path | None, typer.Option(help="write every sample to the end of this journal")] = None,
     period: Annotated[
@@ -91,9 +91,9 @@ def command(
     unit: Unit = "1/h",
     as_json: Json = False,
 ) -> None:
-    """The health of a robot that runs, from ROS 1 or ROS 2 and back to it, until it is interrupted."""
+    """The health of a robot that runs, from ROS or MQTT and back to it, until it is interrupted."""
     asked = Watched(
-        ros, store, journal, period, every, namespace, publish, frame, tuple(tasks or ()), speed, tuple(function or ()),
+        via, store, journal, period, every, namespace, publish, frame, tuple(tasks or ()), speed, tuple(function or ()),
         unit, as_json,
     )  # fmt: skip
     if run(design, asked):
@@ -121,14 +121,15 @@ def run(design: Path, asked: Watched) -> bool:
         for number in (signal.SIGINT, signal.SIGTERM):  # heeded until all is let go of; then there is nothing to end
             signal.signal(number, stop)
             stack.callback(signal.signal, number, signal.SIG_IGN)
-        opened = open_live(asked.ros, period=asked.period)
+        opened = open_live(asked.via, period=asked.period)
         source = stack.enter_context(opened.source)
         ends += [source.stop, source.close]
         print(opened.said, file=sys.stderr)
         published = {info.topic: (info.type, info.fields) for info in source.topics()}
         lacks = missing_signals(robot, published)
+        not_yet = "nobody publishes yet" if opened.source.announced else "nothing was heard yet on"
         for words in dict.fromkeys(lacks.values()):
-            warn(words.replace("the recording has no topic", "nobody publishes yet"))
+            warn(words.replace("the recording has no topic", not_yet))
         kept = stack.enter_context(open_store(asked.store)) if asked.store else None
         written = stack.enter_context(Journal(asked.journal, robot.signals)) if asked.journal else None
         sinks = []

@@ -75,13 +75,14 @@ def path(value: Any, what: str, error: Wrong) -> Path:
     """Return the path of a file; raises ``error`` for what is no path, or names no file."""
     if not isinstance(value, str | os.PathLike) or not os.fspath(value) or isinstance(os.fspath(value), bytes):
         raise error(f"{what} {shown(value)}: expected the path of a file")
+    found = value if isinstance(value, Path) else Path(value)  # to make one of one takes as long as to look
     try:
-        Path(value).exists()
+        found.exists()
     except OSError as why:  # too long; what is not allowed is told later
         raise error(f"{what} {shown(value)}: {why.strerror}") from None
     except ValueError:  # with a character that no path has
         raise error(f"{what} {shown(value)}: expected the path of a file") from None
-    return Path(value)
+    return found
 
 
 def one_of(value: Any, known: Any, what: str, error: Wrong = RobophmError) -> Any:

@@ -51,12 +51,17 @@ class Sample(NamedTuple):
     """Value in the unit of the message, unconverted; NaN where the message says so."""
 
 
+def is_topic(text: str) -> bool:
+    """Whether a text can be the topic of a signal: it has no dots and blanks."""
+    return bool(_TOPIC.match(text))
+
+
 def signal_name(topic: str, field: str) -> str:
     """The name of a signal, ``/topic.field[2]``; a pair of names, ``motor 3/temperature``, is spelled out.
 
     Raises SourceError where the field is not a path of names with optional indices, or the topic has a dot or blank.
     """
-    if not _TOPIC.match(topic):
+    if not is_topic(topic):
         raise SourceError(f"'{topic}' is not a topic; expected e.g. '/power/temperature', without dots and blanks")
     field = _spelled_out(topic, field)
     if not _FIELD.match(field):

@@ -18,7 +18,8 @@ from robophm.design.build_mode import ModeBuilder
 from robophm.design.build_task import build_task
 from robophm.design.common_cause import CommonCauses
 from robophm.design.located_error import LocatedError, Path
-from robophm.design.robot import Component, Limits, MeasuredClock, Module, Robot, Thresholds, Usage
+from robophm.design.references import place_of
+from robophm.design.robot import Component, FailureMode, Limits, MeasuredClock, Module, Robot, Thresholds, Usage
 from robophm.design.scope import Scope
 from robophm.design.sensor_inputs import ChannelBuilder, SensorCover, assumed, undriven
 from robophm.parts import FIGURES
@@ -48,6 +49,8 @@ class _Builder:
         self.design = design
         self.components: dict[str, Component] = {}
         self.modules: dict[str, schema._Group] = {}
+        self.identities: dict[str, str] = {}  # of the robot's levels, by path
+        self.known: dict[str, str] = {}  # paths of parts and failure modes, by identity
         self.places: dict[str, Path] = {}
         self.depends_on: dict[str, Any] = {}
         self.driving = ChannelBuilder()
@@ -60,7 +63,7 @@ class _Builder:
     def robot(self) -> Robot:
         design = self.design
         root = self._module((), (), design, Scope())
-        groups = CommonCauses(self.components, self.modules)
+        groups = CommonCauses(self.components, self.identities)
         expand = DiagramBuilder(self.modules, self.components, self.places, self.depends_on, groups.of)
         for level, said in self.modules.items():
             for name, group in said.common_causes.items():
@@ -89,6 +92,7 @@ class _Builder:
             warnings=tuple(warnings),
             notes=(*self.modes.notes, *notes),
             design_hash=hashlib.sha256(content.encode()).hexdigest(),
+            identity=design.identity or design.name,
         )
         return replace(robot, task=build_task(design.task, robot, ("task",))) if design.task else robot
 
@@ -133,6 +137,7 @@ class _Builder:
     def _module(self, path: Path, place: Path, level: schema._Group, above: Scope) -> Module:
         scope = above.within(place, level)
         self.modules["/".join(path)] = level
+        self.identities["/".join(path)] = scope.identity
         self.places["/".join(path)] = place
         if isinstance(level, schema.Module) and level.depends_on is not None:
             self.depends_on["/".join(path)] = level.depends_on
@@ -177,6 +182,7 @@ class _Builder:
             )
         else:
             modes = (self.modes.mode(path, place, part, part, scope),)
+        modes = self._identified(place, part, scope.identity, modes)
         for name in part.offsets:
             if name not in scope.signals:
                 raise LocatedError(
@@ -189,8 +195,9 @@ class _Builder:
             raise LocatedError((*place, "quantity"), f"{part.quantity} parts told apart; expected at most {MOST_PARTS}")
         names = tuple(f"{name}[{i}]" for i in range(1, part.quantity + 1)) if apart else (name,)
         component = Component(
-            name, part.quantity, required, part.monitored, modes, names, scope.duty, part.description or ""
-        )
+            name, part.quantity, required, part.monitored, modes, names, scope.duty, part.description or "",
+            identity=scope.identity, identified=part.identity is not None,
+        )  # fmt: skip
         self.components[name] = component
         if any(mode.acceleration != "none" for mode in part.failure_modes.values() or [part]):
             self.covered.append((component, scope.cover(part)))
@@ -198,6 +205,20 @@ class _Builder:
         if part.depends_on is not None:
             self.depends_on[name] = part.depends_on
         return component
+
+    def _identified(
+        self, place: Path, part: schema.Component, identity: str, modes: tuple[FailureMode, ...]
+    ) -> tuple[FailureMode, ...]:
+        """The failure modes of a part with their identities. Raises LocatedError where another part has one of them."""
+        stated = [mode.identity or f"{identity}/{name}" for name, mode in part.failure_modes.items()] or [identity]
+        for one in dict.fromkeys((identity, *stated)):
+            owner = self.known.setdefault(one, name := place_of(place))
+            if owner != name:
+                at = (*place, "identity") if part.identity else place
+                raise LocatedError(
+                    at, f"its past would be that of {owner}, whose identity is '{one}'; expected an identity of its own"
+                )
+        return tuple(replace(mode, identity=one) for mode, one in zip(modes, stated, strict=True))
 
     def _powered(self) -> str | None:
         powered = self.design.powered

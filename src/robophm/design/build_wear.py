@@ -9,7 +9,7 @@ from robophm.core.signal import SECOND, signal_name
 from robophm.core.units import conversion
 from robophm.design import schema
 from robophm.design.located_error import LocatedError, Path, quantity_at
-from robophm.design.robot import Gauge, WearSignal
+from robophm.design.wear_signal import Gauge, WearSignal
 
 
 def build_wear(place: Path, said: schema.Wear, quantity: int) -> WearSignal:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from robophm.blocks.common_cause import Shares, alpha_factor, beta_factor, multiple_greek_letter, shared_causes
@@ -19,9 +19,11 @@ MOST_CAUSES = 10_000
 class CommonCauses:
     """The common causes of a robot, as its groups are taken in one by one."""
 
-    def __init__(self, components: dict[str, Component], modules: Iterable[str]) -> None:
+    def __init__(self, components: dict[str, Component], modules: Mapping[str, str]) -> None:
         self.components = components
         """Components by path; members of groups keep the failure modes that are their own."""
+        self.modules = modules
+        """Identities of modules, by path."""
         self.causes: list[Component] = []
         self.groups: dict[str, str] = {}
         """Members of each group and how often they fail together, in words; by path of the group."""
@@ -48,7 +50,7 @@ class CommonCauses:
         self.groups[below + name] = _words([unit.removeprefix(below) for unit in members], shares)
         for numbers, share in shared_causes(shares):
             together = [list(members)[i] for i in numbers]
-            self._add_cause(level, name, place, together, share, len(together) == len(members))
+            self._add_cause(level, (name, said.identity), place, together, share, len(together) == len(members))
         for path in parts:
             part = self.components[path]
             self.components[path] = replace(part, modes=tuple(replace(mode, share=shares[0]) for mode in part.modes))
@@ -72,12 +74,13 @@ class CommonCauses:
             )
 
     def _add_cause(
-        self, level: str, name: str, place: Path, units: Sequence[str], share: float, everyone: bool
+        self, level: str, named: tuple[str, str | None], place: Path, units: Sequence[str], share: float, everyone: bool
     ) -> None:  # fmt: skip
-        below = f"{level}/" if level else ""
+        below, kept_below = (f"{one}/" if one else "" for one in (level, self.modules[level]))
         names = [unit.removeprefix(below) for unit in units]
-        plain = ", ".join(names).translate(str.maketrans("/[", "  ", "]"))
-        path = below + (name if everyone else f"{name} ({plain})")
+        path = below + _cause_name(named[0], names, everyone)
+        kept = [self._identity(unit).removeprefix(kept_below) for unit in units]
+        identity = _cause_name(named[1] or kept_below + named[0], kept, everyone)
         if path in self._taken:
             raise LocatedError(place, f"duplicate name '{path}': a part has it too")
         if len(self.causes) == MOST_CAUSES:
@@ -90,15 +93,27 @@ class CommonCauses:
                 share=share * count / len(units),
                 member=mode.path,
                 wear=None,
+                identity=f"{identity}/{mode.identity.removeprefix(kept_below)}",
             )
             for part, count in Counter(unit.partition("[")[0] for unit in units).items()
             for mode in self.components[part].modes
         )
         says = f"{share * 100:.3g} % of the failures of {', '.join(names)}, all at once"
-        self.causes.append(Component(path, 1, 1, False, modes, (path,), description=says, members=tuple(units)))
+        self.causes.append(Component(path, 1, 1, False, modes, (path,), description=says, members=tuple(units),
+                                     identity=identity))  # fmt: skip
         self._taken.add(path)
         for unit in units:
             self.of.setdefault(unit, []).append(path)
+
+    def _identity(self, unit: str) -> str:
+        path, bracket, number = unit.partition("[")
+        return self.components[path].identity + bracket + number
+
+
+def _cause_name(name: str, units: Sequence[str], everyone: bool) -> str:
+    """The name of a cause that takes these members of a group, or everyone in it."""
+    plain = ", ".join(units).translate(str.maketrans("/[", "  ", "]"))
+    return name if everyone else f"{name} ({plain})"
 
 
 def _shares(place: Path, said: schema.CommonCause, parts: int) -> Shares:

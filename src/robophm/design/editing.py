@@ -34,12 +34,12 @@ def put(document: Any, path: Sequence[str], value: Any) -> None:
     new = key not in around
     around[key] = value
     if new and len(path) >= 2 and path[-2] in PARTS:
-        _draw(_at(document, path[:-2]), key)
+        _draw(value_at(document, path[:-2]), key)
 
 
 def delete(document: Any, path: Sequence[str]) -> None:
     """Take away what is at a place; a part also out of all diagrams. Raises LocatedError where there is nothing."""
-    around = _at(document, path[:-1]) if path else None
+    around = value_at(document, path[:-1]) if path else None
     if around is None or not _has(around, path[-1]):
         raise LocatedError(tuple(path), "there is nothing here to delete")
     if isinstance(around, MutableSequence):
@@ -50,20 +50,20 @@ def delete(document: Any, path: Sequence[str]) -> None:
         rewrite_all(document, lambda name: None if (name + "/").startswith(gone + "/") else name)
     del around[path[-1]]
     if not around and len(path) > 1:  # no empty 'signals: {}' is left behind
-        outer = _at(document, path[:-2])
+        outer = value_at(document, path[:-2])
         if isinstance(outer, MutableMapping):
             del outer[path[-2]]
 
 
 def rename(document: Any, path: Sequence[str], name: str) -> None:
     """Give what is at a place another name, in the same order, in all diagrams too. Raises LocatedError."""
-    around = _at(document, path[:-1]) if path else None
+    around = value_at(document, path[:-1]) if path else None
     if not isinstance(around, MutableMapping) or path[-1] not in around:
         raise LocatedError(tuple(path), "there is nothing here to rename")
     old = path[-1]
     if name == old:
         return
-    level = _at(document, path[:-2]) if len(path) >= 2 and path[-2] in PARTS else None
+    level = value_at(document, path[:-2]) if len(path) >= 2 and path[-2] in PARTS else None
     taken = around if level is None else [other for key in PARTS for other in level.get(key, ())]
     if name in taken:
         raise LocatedError(tuple(path), f"'{name}' is there already; names of one level must differ")
@@ -117,7 +117,7 @@ def move(document: Any, path: Sequence[str], to: Sequence[str]) -> None:
     """
     if len(path) < 2 or path[-2] not in PARTS:
         raise LocatedError(tuple(path), "is no part; expected a module or a component")
-    around, source, target = _at(document, path[:-1]), _at(document, path[:-2]), _level(document, to)
+    around, source, target = value_at(document, path[:-1]), value_at(document, path[:-2]), _level(document, to)
     was, now, name = place_of(path), place_of((*to, *path[-2:])), path[-1]
     if not _has(around, name):
         raise LocatedError(tuple(path), "there is nothing here to move")
@@ -242,7 +242,7 @@ def ungroup(document: Any, path: Sequence[str], members: Sequence[str]) -> None:
 
 
 def _level(document: Any, path: Sequence[str]) -> Any:
-    level = _at(document, path)
+    level = value_at(document, path)
     if not isinstance(level, MutableMapping) or not levels_path(path):
         raise LocatedError(tuple(path), "is no level of the design; expected the robot or a module")
     return level
@@ -340,8 +340,8 @@ def _draw(level: Any, name: str) -> None:
         level["diagram"] = {"series": [diagram, name]}
 
 
-def _at(document: Any, path: Sequence[str]) -> Any:
-    """The value at a place. Raises LocatedError where there is nothing."""
+def value_at(document: Any, path: Sequence[str]) -> Any:
+    """Return the value at a place. Raises LocatedError where there is nothing."""
     here = document
     for n, key in enumerate(path):
         if not _has(here, key):

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,7 @@ from robophm.core.argument_checks import one_of
 from robophm.core.errors import DesignError
 from robophm.design.robot_table import robot_table
 from robophm.design.task import Plan, Task, TaskStress
+from robophm.design.wear_signal import WearSignal
 from robophm.hazard.model import Evaluation, Model
 from robophm.life.distribution import LifeDistribution
 
@@ -136,46 +137,6 @@ class Evidence:
     """Uncertainty of the stated rate before the evidence; None: it was taken as exact."""
 
 
-class Gauge(NamedTuple):
-    """A signal as it is recorded. A value outside [low, high] is none; of a load it says that the load is another."""
-
-    signal: str
-    low: float
-    high: float
-    max_age: int
-    """Nanoseconds that the last value holds."""
-
-
-@dataclass(frozen=True)
-class WearSignal:
-    """A signal that shows how worn a part is, and how worn is too much."""
-
-    gauge: Gauge
-    unit: str | None
-    """Unit of the signal's values; None: not known."""
-    reading: Literal["mean", "rms", "kurtosis", "highest", "lowest"]
-    """The statistic made of the samples of each stretch of time."""
-    every: int
-    """Length of a stretch of time [ns]."""
-    ambient: Gauge | None
-    """A gauge whose value is subtracted from each sample; None: nothing is."""
-    load: Gauge | None
-    """A gauge within whose range samples count; None: all count."""
-    threshold: float
-    """The threshold in the unit of the reading: the signal's; a kurtosis has none."""
-    threshold_deviation: float = 0.0
-    """Standard deviation of the threshold, in the same unit; 0: it is exactly known."""
-    share: float = 1.0
-    """Share of the hazard of its failure mode that the wear stands for; the rest comes by chance."""
-    teachers: str | None = None
-    """Name of a table, in the robot's ``folder``, with such readings of others of its kind; None: there is none."""
-
-    @property
-    def signals(self) -> tuple[str, ...]:
-        """Return all signals that it is made of, each once."""
-        return tuple(dict.fromkeys(one.signal for one in (self.gauge, self.ambient, self.load) if one))
-
-
 @dataclass(frozen=True)
 class FailureMode:
     """A failure mode: one of the ways in which a component fails."""
@@ -202,6 +163,8 @@ class FailureMode:
     """Path of the part's failure mode of which a common cause's mode is a share; "" for any other."""
     wear: WearSignal | None = None
     """The signal that shows the mode coming; None: no signal does."""
+    identity: str = ""
+    """Path under which its past is kept; its own unless the design states another."""
 
     @property
     def unknown(self) -> bool:
@@ -222,7 +185,7 @@ class FailureMode:
     def key(self) -> str:
         """Return the key of its past in a ledger: under another clock or scaling its sums would mean something else."""
         gathered = f" of {self.life!r}" if self.scaling == "hazard" else ""  # its hazard is a sum already
-        return f"{self.path} ({self.clock}, {self.scaling} scaling{gathered})"
+        return f"{self.identity} ({self.clock}, {self.scaling} scaling{gathered})"
 
 
 @dataclass(frozen=True)
@@ -241,6 +204,10 @@ class Component:
     description: str = ""
     members: tuple[str, ...] = ()
     """The units that a common cause fails together; empty for any other component."""
+    identity: str = ""
+    """Path under which its past is kept; its own unless the design states another."""
+    identified: bool = False
+    """Whether the design states its identity itself."""
 
     @property
     def name(self) -> str:
@@ -365,6 +332,8 @@ class Robot(Module):
     """SHA-256 of the design's content, to tell results of different designs apart."""
     folder: Path = Path()
     """Folder that the design's file is in, for tables that it names; that of a text by itself is where one works."""
+    identity: str = ""
+    """Name under which its past is kept; its own unless the design states another."""
 
     def __repr__(self) -> str:
         counts = f"{self.part_count} parts, {len(self.modes)} failure modes, {len(self.signals)} signals"

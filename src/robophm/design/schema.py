@@ -12,7 +12,7 @@ from pydantic import AfterValidator, ConfigDict, Field, WithJsonSchema, model_va
 
 from robophm.core.errors import RobophmError
 from robophm.design.schema_blocks import DependsOn, Diagram
-from robophm.design.schema_fields import LONGEST, Name, Strict, Written, quantity_in, share_in
+from robophm.design.schema_fields import LONGEST, Identity, Name, Strict, Written, quantity_in, share_in
 from robophm.design.schema_task import AnyTask
 from robophm.hazard.environments import ENVIRONMENTS, WORDS, environment
 from robophm.hazard.qualities import QUALITIES, quality
@@ -229,6 +229,7 @@ class FailureMode(Strict):
     uncertainty: Uncertainty | None = Field(None, description="how sure the rate is; inherited, default exact")
     learned: Learned | None = Field(None, description="what the field says of it, and how sure it is then")
     wear: Wear | None = Field(None, description="a signal that shows it coming")
+    identity: Identity | None = None
 
 
 def _in_library(name: str) -> str:
@@ -310,6 +311,7 @@ class CommonCause(Strict):
     mgl: list[float] | None = Field(None, description="beta, gamma, delta …: one fewer than parts")
     alpha: list[float] | None = Field(None, description="share of failure events that take 1, 2 … of them; as many")
     testing: Literal["staggered", "non-staggered"] = Field("staggered", description="how alpha was found")
+    identity: Identity | None = None
 
     @model_validator(mode="after")
     def _one_kind(self) -> CommonCause:
@@ -321,6 +323,7 @@ class CommonCause(Strict):
 
 
 class _Group(Strict):
+    identity: Identity | None = None
     description: str | None = None
     environment: Environment | None = None
     quality: Quality | None = None

@@ -57,6 +57,17 @@ def share_in(description: str, example: str, *, zero: bool) -> Any:
 Name = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^/\[\]\x00-\x1f\x7f-\x9f\u2028\u2029]+$")]
 """The name of a module, component, mode or function: any text without / [ ] and control characters."""
 
+Identity = Annotated[
+    str,
+    Field(
+        min_length=1,
+        max_length=2000,
+        pattern=r"^[^\x00-\x1f\x7f-\x9f\u2028\u2029]+$",
+        description="path under which the past is kept; default the path here",
+    ),
+]
+"""The path under which a robot's past is kept of something: one that it has had, mostly, or of one of equal parts."""
+
 
 def _written(value: object) -> object:
     if isinstance(value, bool) or not isinstance(value, str | int | float):

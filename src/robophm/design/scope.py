@@ -23,9 +23,12 @@ class Scope:
     duty: float = 1.0
     ambient: Ambient | None = None
     quality: str | None = None
+    identity: str = ""
+    """Path under which the past of what is here is kept; "" for the robot, whose parts' paths begin below it."""
 
     def within(self, place: Path, level: Any) -> Scope:
         """Return the scope of a level inside this one: what that states, else what it inherits."""
+        identity = level.identity or f"{self.identity}/{place[-1]}".lstrip("/") if place else ""
         return Scope(
             level.environment or self.environment,
             {**self.signals, **{name: ((*place, "signals", name), b) for name, b in level.signals.items()}},
@@ -35,6 +38,7 @@ class Scope:
             self.duty if level.duty is None else level.duty,
             self.ambient if isinstance(level, schema.Component) else ambient_of(place, level, self.ambient),
             level.quality or self.quality,
+            identity,
         )
 
     def cover(self, part: schema.Component) -> SensorCover:

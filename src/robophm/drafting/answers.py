@@ -117,6 +117,17 @@ class Known:
         """Whether a battery is heard."""
         return bool(self.seen.of_type(*BATTERY))
 
+    @property
+    def summary(self) -> Iterator[str]:
+        """Sentences that say what there is of the robot, one for each kind of evidence."""
+        if self.description:
+            found = self.description
+            moving = sum(joint.moves for joint in found.joints)
+            yield f"{found.name}: {len(found.links)} links, {moving} joints that move, {found.mass:.3g} kg"
+        if self.seen.recorded:
+            bags, topics = len(self.seen.recorded), len(self.seen.topics)
+            yield f"{bags} recording{'s' * (bags != 1)}, {topics} topics"
+
 
 def questions(known: Known) -> Iterator[Question]:
     """The questions, with what is assumed in view of the evidence."""
@@ -229,6 +240,19 @@ def check(key: str, said: str) -> None:
     elif key == "sensors":
         for word in listed(said):
             entry_called(word, what="sensor")
+
+
+def faults(answers: Answers) -> dict[str, str]:
+    """The reasons why questions cannot have their answers, by the keys of these."""
+    found = {}
+    for one in fields(answers):
+        said = getattr(answers, one.name)
+        try:
+            if said:
+                check(one.name, said)
+        except RobophmError as error:
+            found[one.name] = str(error)
+    return found
 
 
 def battery_called(words: str) -> Entry:

@@ -14,6 +14,7 @@ from robophm.drafting.bindings import inputs_of
 from robophm.health.drawn_rates import draw_rates
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
+from robophm.health.prognosis import Outlook
 from robophm.health.rate_sensitivity import LargestUnknown, Ranges, largest_unknowns, ranges
 from robophm.health.report import HealthReport
 from robophm.health.uncertainty import DRAWS, Interval, weighted_interval
@@ -45,6 +46,11 @@ def first_look(robot: Robot, recordings: Sequence[Path] = (), *, most: int = 3) 
     heard = [str(path) for path in recordings] if robot.signals else []
     report = replay(robot, heard, skip_missing=True) if heard else None
     outlook = report.outlooks["sensor_based"] if report else as_designed(Plant(robot))
+    return look_at(robot, outlook, report, most=most)
+
+
+def look_at(robot: Robot, outlook: Outlook, report: HealthReport | None = None, *, most: int = 3) -> FirstLook:
+    """Figures of a robot by an outlook, which may be of a report. Raises RobophmError where none can be given."""
     task = robot.task or HOUR_OF_WORK
     return FirstLook(
         robot,

@@ -44,6 +44,11 @@ def earlier_answers(text: str) -> dict[str, Any]:
     return dict(_told(text, ANSWERED, {}))
 
 
+def was_drafted(text: str) -> bool:
+    """Whether a design is of a draft, which a later one can bring up to date."""
+    return any(found[1] == DRAFTED for found in _HEAD.finditer(text))
+
+
 def updated(text: str, draft: Draft, label: str) -> Updated:
     """The text of a design brought up to a later draft; ``label`` is what errors call it. Raises DesignError."""
     return _Update(text, draft, label).made()

@@ -144,7 +144,7 @@ class ExposureIntegrator:
                     on = grid.operating / HOUR if clock.clock == "calendar" else clock.units(steps)
                     self._witness(members, on, factor, group.named(inputs))
             if np.any(outside) and (over := int(np.sum(grid.on, where=outside))):
-                part.extrapolated.update({self.modes[i].path: over for i in members})
+                part.extrapolated.update({self.modes[i].identity: over for i in members})
         if by_hazard:
             modes = [i for i, *_ in by_hazard]
             begun = _begun(ledger.age, modes, went.age[:, modes] * duty[modes])
@@ -169,20 +169,47 @@ class ExposureIntegrator:
 
     def current_factor(self, ledger: Ledger) -> Array:
         """The stress factor ψ of every mode under what is known at the integrated-to time; shape (modes,)."""
+        now = ledger.integrated_to
+        return np.ones(len(self.modes)) if now is None else self._by_mode(self._known(ledger, now))
+
+    def factor_at(self, inputs: Mapping[str, float]) -> Array:
+        """The stress factor ψ of every mode where channels, by their keys, have these values, and others are silent.
+
+        Shape (modes,).
+        """
+        found = {
+            key: Observed(np.array([inputs.get(key, math.nan)]), np.array([key in inputs])) for key in self.channels
+        }
+        return self._by_mode(self._factors(found))
+
+    def _by_mode(self, factors: Sequence[tuple[Array | None, Flags, list[Array]]]) -> Array:
         factor = np.ones(len(self.modes))
-        if (now := ledger.integrated_to) is not None:
-            for group, (value, *_) in zip(self.groups, self._known(ledger, now), strict=True):
-                if value is not None:
-                    factor[group.members] = value[0]
+        for group, (value, *_) in zip(self.groups, factors, strict=True):
+            if value is not None:
+                factor[group.members] = value[0]
         return factor
+
+    def current_inputs(self, ledger: Ledger) -> dict[str, float]:
+        """The last value of every channel, by its key, that still holds at the integrated-to time."""
+        now = ledger.integrated_to
+        if now is None:
+            return {}
+        lasts = self._lasts(ledger, now)
+        return {key: float(value[0]) for key, (value, fresh) in lasts.items() if fresh is None or fresh[0]}
 
     def _known(self, ledger: Ledger, now: int) -> list[tuple[Array | None, Flags, list[Array]]]:
         """The present stress factors of each group, as ``StressGroups.factors``; an off robot is treated as on."""
+        return self._factors(self._lasts(ledger, now))
+
+    def _lasts(self, ledger: Ledger, now: int) -> dict[str, Observed]:
         observed = {}
         for key, channel in self.channels.items():
             time, (said,) = ledger.last.get(key, (now - channel.max_age, (math.nan,)))
             last = np.array([channel.scale * said + channel.offset])
             observed[key] = Observed(last, np.array([now - time < channel.max_age]))
+        return observed
+
+    def _factors(self, observed: Mapping[str, Observed]) -> list[tuple[Array | None, Flags, list[Array]]]:
         count = len(self.groups)
         return self._whole.factors([observed] * count, [np.ones(1, dtype=bool)] * count)
 

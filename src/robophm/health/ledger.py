@@ -11,8 +11,9 @@ import numpy as np
 
 from robophm.core.errors import StoreError
 from robophm.core.signal import HOUR, SECOND, Sample
+from robophm.design.identities import identities
 from robophm.design.robot import Robot
-from robophm.health.ledger_parts import TOTALS, brought_to
+from robophm.health.ledger_parts import TOTALS, DesignChange, brought_to, known_parts
 from robophm.health.wear_readings import WearCourse
 from robophm.health.window import Array, Window
 
@@ -140,7 +141,6 @@ class Ledger:
     """Time until which it was off last."""
     ended: int | None = None
     """End of the last recording, when nothing was heard since; None where samples came live, or since another sample.
-    It says nothing of the past, and is kept beside the ledger.
 
     It says nothing of the past, and is kept beside the ledger.
     """
@@ -177,6 +177,10 @@ class Ledger:
     """Time since which a mode, by its key, is counted, of those that came into the design later."""
     archived: dict[str, Any] = field(default_factory=dict)
     """The past of modes, by their keys and as JSON has it, that are in the design no more."""
+    parts: dict[str, Any] = field(default_factory=dict)
+    """Path and traits of each part as last seen in a design, by its identity and as JSON has it."""
+    changes: list[DesignChange] = field(default_factory=list)
+    """The changes of the design that it went through, the latest last."""
 
     @classmethod
     def new(cls, robot: Robot) -> Ledger:
@@ -189,6 +193,7 @@ class Ledger:
             Total.zeros(n),
             Total.zeros(2 + len(robot.clocks)),
             tuple(robot.clocks),
+            parts=known_parts(identities(robot)),
         )
 
     @property
@@ -214,6 +219,7 @@ class Ledger:
             "services",
             "begun",
             "archived",
+            "changes",
         )
         wear = {key: course.copy() for key, course in self.wear.items()}
         return replace(self, **totals, **{name: getattr(self, name).copy() for name in kept}, wear=wear)
@@ -279,7 +285,8 @@ class Ledger:
             "seen": {key: list(seen) for key, seen in self.seen.items()},
             "services": [list(service) for service in self.services],
             **({"wear": {key: one.to_json() for key, one in self.wear.items()}} if self.wear else {}),
-            **{name: found for name in ("begun", "archived") if (found := getattr(self, name))},
+            **{name: found for name in ("begun", "archived", "parts") if (found := getattr(self, name))},
+            **({"changes": [list(change) for change in self.changes]} if self.changes else {}),
         }
 
     @classmethod
@@ -288,8 +295,7 @@ class Ledger:
 
         Raises StoreError as ``from_json`` and ``brought_to``.
         """
-        parts = {part.path: [mode.key for mode in part.modes] for part in robot.all_components()}
-        data = brought_to(data, parts, {cause.path for cause in robot.causes})
+        data = brought_to(data, identities(robot))
         return cls.from_json(data, tuple(mode.key for mode in robot.modes), tuple(robot.clocks))
 
     @classmethod
@@ -342,6 +348,8 @@ class Ledger:
             wear={key: WearCourse.from_json(one) for key, one in data.get("wear", {}).items()},
             begun=dict(data.get("begun", {})),
             archived=dict(data.get("archived", {})),
+            parts=dict(data.get("parts", {})),
+            changes=[DesignChange(*change) for change in data.get("changes", ())],
         )
 
 

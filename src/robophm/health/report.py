@@ -18,6 +18,7 @@ from robophm.core.html_table import html_table
 from robophm.design.robot import Robot
 from robophm.design.task import Task
 from robophm.design.task_checks import check_task
+from robophm.health.doubtful_signals import Doubt
 from robophm.health.failures_to_come import FailuresToCome, failures_to_come
 from robophm.health.mission import Completion, completion
 from robophm.health.outlooks import View
@@ -80,6 +81,8 @@ class HealthReport:
     """The time ahead in which failures to come are looked for [h of calendar time]; None: the median remaining life."""
     wear: tuple[SeenWear, ...] = ()
     """Wear that sensors see of failure modes; the sensor-based figures have it in the place of their hazard."""
+    doubts: tuple[Doubt, ...] = ()
+    """Signals of stress that may not be true, and what that would mean. The figures take them as they are."""
 
     @property
     def design(self) -> Robot:
@@ -212,6 +215,7 @@ class HealthReport:
             if self.uncertainty
             else None,
             "wear": [one.to_json() for one in self.wear],
+            "doubts": [plain(one.to_json()) for one in self.doubts],
             "state": self.state,
             "limits_set": self.design.limited,
             "breaches": list(self.breaches),

@@ -10,20 +10,22 @@ import numpy as np
 
 from robophm.core.argument_checks import number, one_of
 from robophm.core.signal import REORDERED
-from robophm.design.robot import FailureMode
+from robophm.design.robot import FailureMode, Robot
 from robophm.design.task import Knowledge, Plan, Task
 from robophm.design.task_checks import check_knowledge, check_plan, check_task
+from robophm.health.doubtful_signals import Doubt, doubts
 from robophm.health.draws import check_draws
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.failures_to_come import LONGEST
 from robophm.health.ledger import Ledger
-from robophm.health.mission import plan_future
+from robophm.health.mission import completion, plan_future
 from robophm.health.outlooks import FutureName, View, outlooks
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.rejected_samples import rejected_samples
 from robophm.health.report import VIEWS, ComponentHealth, HealthReport
 from robophm.health.subject import (
+    DOUBTFUL,
     STALE,
     Figures,
     Subject,
@@ -87,6 +89,8 @@ def health_now(
     odometers = {signal for clock in robot.clocks.values() for signal in clock.signals}
     rates = [views[view].component_hazard_rates() for view in VIEWS]
     survival = [views[view].component_survival() for view in VIEWS]
+    asked = task or robot.task
+    doubtful = doubts(exposure, ledger, lived, robot.diagram, asked)
     numbers = np.stack([*rates, *(works for works, _ in survival), *(failed for _, failed in survival)], axis=1)
     clocks = ledger.clocks.value
     return HealthReport(
@@ -102,6 +106,7 @@ def health_now(
                     ledger,
                     silent,
                     wear,
+                    doubtful,
                     *(odometers if system.kind == "robot" else ()),
                 ).with_unknown(unknown(lived, system.diagram)),
                 {view: figures_now(views[view], system.diagram) for view in VIEWS},
@@ -120,12 +125,13 @@ def health_now(
             for component, (rate, lived_rate, works, lived_works, failed, lived_failed) in zip(
                 plant.components, numbers.tolist(), strict=True
             )
-            for marks in (_marks(component.modes, ledger, silent, wear),)
+            for marks in (_marks(component.modes, ledger, silent, wear, doubtful),)
         ),
-        task or robot.task,
-        (*rejected_samples(ledger), *_counted_since(ledger)),
+        asked,
+        (*rejected_samples(ledger), *_counted_since(robot, ledger), *_doubted(doubtful, lived, asked)),
         views,
         wear=tuple(wear),
+        doubts=doubtful,
     )
 
 
@@ -173,14 +179,24 @@ def with_earlier_look(now: HealthReport, earlier: HealthReport) -> HealthReport:
     return found
 
 
-def _counted_since(ledger: Ledger) -> list[str]:
+def _counted_since(robot: Robot, ledger: Ledger) -> list[str]:
     """What is said of parts that came into the design when the robot had lived already."""
     came: dict[int, list[str]] = {}
-    for key, time in ledger.begun.items():
-        came.setdefault(time, []).append(key.partition(" (")[0])
+    for mode in robot.modes if ledger.begun else ():
+        if mode.key in ledger.begun:
+            came.setdefault(ledger.begun[mode.key], []).append(mode.path)
     return [
         f"{some(paths)}: counted since {moment(time)}, not in the design before" for time, paths in sorted(came.items())
     ]
+
+
+def _doubted(doubtful: Sequence[Doubt], lived: Outlook, task: Task | None) -> list[str]:
+    """What is said of signals that may not be true."""
+    if not doubtful:
+        return []
+    rate = lived.hazard_rate(lived.plant.robot.diagram)
+    done = completion(lived, task) if task else None
+    return [one.words(rate, done) for one in doubtful]
 
 
 class _Marks(NamedTuple):
@@ -210,22 +226,24 @@ def _uncertainty(plant: Plant, ledger: Ledger, lived: Outlook, plan: Plan | None
 
 def _marks(
     modes: Sequence[FailureMode], ledger: Ledger, silent: Mapping[str, int | None], wear: Sequence[SeenWear],
-    *signals: str,
+    doubtful: Sequence[Doubt], *signals: str,
 ) -> _Marks:  # fmt: skip
-    """Marks on figures of failure modes: silent signals that they hang on, models outside their range, their wear."""
+    """Marks on figures of failure modes: silent and doubtful signals that they hang on, models outside their range,
+    their wear."""
     worn = wear_flags(wear, (mode.path for mode in modes)) if wear else ()
     mixed = {key.removeprefix(REORDERED) for key in ledger.counts if key.startswith(REORDERED)}
-    if not silent and not mixed and not any(ledger.extrapolated.values()):
+    if not silent and not mixed and not doubtful and not any(ledger.extrapolated.values()):
         return _Marks(worn)
     heard_by, extrapolated = {*signals}, False
     for mode in modes:
         heard_by |= {channel.signal for stress in mode.stresses for channel in stress.channels.values()}
         heard_by |= set(mode.measured_clock.signals if mode.measured_clock else ())
-        extrapolated |= bool(ledger.extrapolated[mode.path])
+        extrapolated |= bool(ledger.extrapolated[mode.identity])
     own = {signal: last for signal, last in silent.items() if signal in heard_by}
     flags = (
         *(f"{STALE}{signal}" for signal in own),
         *(f"{REORDERED}{signal}" for signal in sorted(heard_by & mixed)),
+        *(f"{DOUBTFUL}{one.about.signal}" for one in doubtful if one.about.signal in heard_by),
         *(["extrapolated"] if extrapolated else []),
         *worn,
     )

@@ -16,6 +16,9 @@ from robophm.health.worn import WEAR, moment
 
 State = Literal["ok", "warn", "error", "stale"]
 
+DOUBTFUL = "doubtful "
+"""The flag of figures that rest on a signal that may not be true, before its name."""
+
 STALE = "stale "
 """The beginning of the flag of a silent signal."""
 
@@ -119,13 +122,13 @@ class Subject:
     @property
     def state(self) -> State:
         """Return the state in one word. It is stale where a sensor is silent and no threshold is known to be broken,
-        and never plainly ok where parts of unknown rate are left out, or a part is worn."""
+        and never plainly ok where parts of unknown rate are left out, a part is worn or a signal is doubtful."""
         if self.breaches:
             return "error"
         if self.stale:
             return "stale"
-        worn = any(flag.startswith(WEAR) for flag in self.flags)
-        return "warn" if self.warnings or self.unknown or worn else "ok"
+        marked = any(flag.startswith((WEAR, DOUBTFUL)) for flag in self.flags)
+        return "warn" if self.warnings or self.unknown or marked else "ok"
 
 
 def silence(last: Mapping[str, int | None]) -> str:

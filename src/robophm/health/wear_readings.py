@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.core.signal import SECOND
-from robophm.design.robot import Gauge, WearSignal
+from robophm.design.wear_signal import Gauge, WearSignal
 from robophm.health.window import Array, Columns, Times
 
 MOST_READINGS = 1024

@@ -89,7 +89,7 @@ class _Watch:
     def run(self) -> Monitor:
         """Take in what an earlier run could not save, then listen until the source is closed."""
         monitor = self._monitor
-        if self.store and self.journal and (kept_to := self.store.progress(self.robot.name, self._key).position):
+        if self.store and self.journal and (kept_to := self.store.progress(self.robot.identity, self._key).position):
             for sample in self.journal.since(kept_to):
                 monitor.observe(sample)
         self._save()
@@ -163,7 +163,7 @@ class _Watch:
             if self.journal:
                 self.journal.sync()
             progress = [Progress(self._key, self.journal.position)] if self.journal else []
-            self.store.save(self.robot.name, self._monitor.ledger.to_json(), progress, self._course.reports)
+            self.store.save(self.robot.identity, self._monitor.ledger.to_json(), progress, self._course.reports)
             self._course.reports.clear()
             self._saved = time.monotonic()
 

@@ -29,6 +29,9 @@ from robophm.transports.signals.source import SignalSource, TopicInfo
 Kind = tuple[str, tuple[str, ...]]
 """A topic's type of messages and numeric fields."""
 
+Kinds = tuple[tuple[str, Kind], ...]
+"""Topics with that."""
+
 Opening = Callable[[], AbstractContextManager[SignalSource]]
 Recorded = SignalSource | str | os.PathLike[str]
 
@@ -83,18 +86,20 @@ def sessions_of(
     sessions: list[RecordingSession] = []
     missing, topics = dict.fromkeys(robot.signals, ""), dict[str, Kind]()
     unread: list[str] = []
-    lacking: dict[tuple[tuple[str, Kind], ...], dict[str, str]] = {}
+    lacking: dict[str, str] = {}
+    before: Kinds | None = None
+    signals: tuple[str, ...] = ()
     for name, opens, found in _opened(recorded, unread):
-        here = {info.topic: (info.type, info.fields) for info in found.infos}
-        kinds = tuple(here.items())
-        if kinds not in lacking:  # as it is in the file before
+        if found.kinds != before:  # as it is in the file before
+            before = found.kinds
+            here = dict(before)
             topics |= here
-            lacking[kinds] = missing_signals(robot, here)
-            missing = {signal: lacking[kinds][signal] for signal in missing if signal in lacking[kinds]}
-        signals = tuple(signal for signal in robot.signals if signal not in lacking[kinds])
-        key = hashlib.sha256("\n".join((found.fingerprint, *sorted(signals))).encode()).hexdigest()
+            lacking = missing_signals(robot, here)
+            missing = {signal: lacking[signal] for signal in missing if signal in lacking}
+            signals = tuple(signal for signal in robot.signals if signal not in lacking)
         if signals:
-            sessions.append(RecordingSession(name, key, signals, *_span(found.infos), opens, found.files))
+            key = hashlib.sha256("\n".join((found.fingerprint, *sorted(signals))).encode()).hexdigest()
+            sessions.append(RecordingSession(name, key, signals, found.first, found.last, opens, found.files))
     _refuse(robot, missing, topics, skip_missing=skip_missing)
     return [replace(sessions[0], lost=tuple(unread)), *sessions[1:]]
 
@@ -158,14 +163,19 @@ def missing_signals(robot: Robot, topics: Mapping[str, Kind]) -> dict[str, str]:
 class _Looked(NamedTuple):
     """What a source is known by."""
 
-    infos: list[TopicInfo]
+    kinds: Kinds
+    first: int | None
+    last: int | None
     fingerprint: str
     files: tuple[Path, ...]
     """Its files, where those of several sources can be opened as one."""
 
 
 def _looked(source: SignalSource, files: Sequence[Path]) -> _Looked:
-    return _Looked(source.topics(), source.fingerprint, tuple(files) if isinstance(source, Recording) else ())
+    infos = source.topics()
+    kinds = tuple((info.topic, (info.type, info.fields)) for info in infos)
+    files = tuple(files) if isinstance(source, Recording) else ()
+    return _Looked(kinds, *_span(infos), source.fingerprint, files)
 
 
 def _opened(recorded: Recorded | Sequence[Recorded], lost: list[str]) -> Iterator[tuple[str, Opening, _Looked]]:
@@ -208,7 +218,9 @@ def _in_order(given: Sequence[Path], lost: list[str]) -> list[tuple[list[Path], 
                 raise
             failed.append(error)
             continue
-        first, last = _span(found.infos)
+        if spans and found.kinds == spans[-1][-1].kinds:  # of thousands of files one is kept
+            found = found._replace(kinds=spans[-1][-1].kinds)
+        first, last = found.first, found.last
         if first is not None:
             spans.append((first, first if last is None else last, part, found))
     if failed and not spans:

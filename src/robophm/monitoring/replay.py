@@ -93,10 +93,10 @@ def replay(
 
 def kept_ledger(robot: Robot, store: Store) -> Ledger | None:
     """Return a robot's ledger in a store, to go on from; it knows whether a recording was heard last, and its end."""
-    kept = store.ledger(robot.name)
+    kept = store.ledger(robot.identity)
     if kept is None:
         return None
-    ledger, end = Ledger.of(robot, kept), store.progress(robot.name, _ENDED)
+    ledger, end = Ledger.of(robot, kept), store.progress(robot.identity, _ENDED)
     if end.complete and end.notes.get("newest") == ledger.newest:
         ledger.ended = end.position
     return ledger
@@ -138,7 +138,7 @@ def _runs(robot: Robot, sessions: Sequence[RecordingSession], store: Store | Non
     """The sessions in order, those as one of which each goes on where the one before ended, as splits of a drive do."""
     runs: list[list[_Session]] = []
     for session in sessions:
-        here = _Session(session, store.progress(robot.name, session.key) if store else Progress(session.key))
+        here = _Session(session, store.progress(robot.identity, session.key) if store else Progress(session.key))
         before = runs[-1][-1] if runs else None
         fresh = not (here.done.position or here.done.complete)
         if before and fresh and not before.done.complete and before.session.goes_on(session, robot.max_gap):
@@ -172,7 +172,7 @@ def _go_through(
         nonlocal saved
         if store:
             states = [*_states(run, position, decided + source.notes)]
-            store.save(robot.name, monitor.ledger.to_json(), states, course.reports)
+            store.save(robot.identity, monitor.ledger.to_json(), states, course.reports)
             course.reports.clear()
             saved = time.monotonic()
 
@@ -204,7 +204,7 @@ def _go_through(
         states = [Progress(one.session.key, position, True, notes if one is run[0] else {}) for one in run]
         if (ended := monitor.ledger.ended) is not None:
             states.append(Progress(_ENDED, ended, complete=True, notes={"newest": monitor.ledger.newest or 0}))
-        store.save(robot.name, monitor.ledger.to_json(), states, course.reports)
+        store.save(robot.identity, monitor.ledger.to_json(), states, course.reports)
     return monitor, decided + source.notes
 
 

@@ -15,7 +15,8 @@ from dataclasses import replace
 import numpy as np
 
 from robophm.core.errors import DataError
-from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot, WearSignal
+from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot
+from robophm.design.wear_signal import WearSignal
 from robophm.health.foretold_life import ForetoldLife
 from robophm.health.ledger import Ledger
 from robophm.health.wear_readings import WearCourse, WearReadings

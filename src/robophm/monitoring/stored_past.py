@@ -7,10 +7,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
-from robophm.core.errors import StoreError
+from robophm.core.errors import StoreError, nearest
+from robophm.design.identities import identities
 from robophm.design.robot import Robot
 from robophm.health.clock_jump_removal import RemovedJump, take_out_jump
 from robophm.health.ledger import Ledger
+from robophm.health.ledger_parts import Fate, fates, identity_of
 from robophm.monitoring.replay import kept_ledger
 from robophm.stores import Address, existing_store, place_of
 from robophm.stores.store import Store
@@ -22,8 +24,39 @@ def stored_past(address: Address, robot: Robot) -> Iterator[tuple[Store, Ledger]
     with existing_store(address) as store:
         ledger = kept_ledger(robot, store)
         if ledger is None:
-            raise StoreError(f"{place_of(address)}: knows no robot '{robot.name}'")
+            raise unknown_robot(address, store, robot)
         yield store, ledger
+
+
+def unknown_robot(address: Address, store: Store, robot: Robot) -> StoreError:
+    """Return what is to be said where a store has no past of a robot."""
+    known = store.robots()
+    other = f"; where it is '{known[0]}' under another name, `identity: {known[0]}` in its design says so"
+    said = f"{place_of(address)}: knows no robot '{robot.identity}'{nearest(robot.identity, known)}"
+    return StoreError(f"{said}{other if known else ''}")
+
+
+def fates_in(address: Address, robot: Robot) -> list[Fate]:
+    """Return what becomes of the past of each part of a robot in a store. Raises StoreError where it has none."""
+    with existing_store(address) as store:
+        data = store.ledger(robot.identity)
+        if data is None:
+            raise unknown_robot(address, store, robot)
+        return fates(data, identities(robot))
+
+
+def identity_in(address: Address, robot: Robot, name: str) -> str:
+    """Return the identity of what had this path in a robot's past, or of a robot. Raises StoreError for an unknown."""
+    with existing_store(address) as store:
+        if name in (robots := store.robots()):
+            return name
+        data = store.ledger(robot.identity)
+        if data is None:
+            raise unknown_robot(address, store, robot)
+        if (found := identity_of(data, name)) is not None:
+            return found
+        known = [path for path, _ in data.get("parts", {}).values()]
+        raise StoreError(f"{place_of(address)}: there is no '{name}' in the past{nearest(name, [*known, *robots])}")
 
 
 class RepairedPast(NamedTuple):
@@ -45,5 +78,5 @@ def repair_past(address: Address, robot: Robot) -> RepairedPast | None:
             return None
         copy = Path(f"{place_of(address)}.before-repair")
         store.copy_to(copy)
-        store.bring_back(robot.name, ledger.to_json(), done.before)
+        store.bring_back(robot.identity, ledger.to_json(), done.before)
         return RepairedPast(done, copy)

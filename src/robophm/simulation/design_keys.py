@@ -23,7 +23,7 @@ FIGURES = ("rate", "mtbf", "mttf", "l10", "b10")
 MODE_KEYS = {*FIGURES, "life", "clock", "scaling", "acceleration", "initial_exposure", "uncertainty", "learned"}
 """Keys of a failure mode, or of a component with only one."""
 
-_SILENT = {"description", "environment", "source"}
+_SILENT = {"description", "environment", "identity", "source"}
 """Keys that say nothing about how a robot with stated rates fails."""
 _KEYS: Mapping[str, set[str]] = {
     "robot": _GROUP | {"schema_version", "name", "functions", "usage", "powered", "max_gap", "task", "thresholds"},

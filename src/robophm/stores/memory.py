@@ -28,6 +28,10 @@ class MemoryStore(Store):
         text = self._ledgers.get(robot)
         return json.loads(text) if text is not None else None
 
+    def robots(self) -> list[str]:
+        """Return the names of the robots whose ledgers are kept, sorted."""
+        return sorted(self._ledgers)
+
     def progress(self, robot: str, recording: str) -> Progress:
         """Return how far a recording has been replayed into this robot's ledger."""
         return self._progress.get((robot, recording), Progress(recording))

@@ -92,6 +92,11 @@ class SqliteStore(Store):
             self._revisions[robot] = row[0] if row else 0
             return json.loads(row[1]) if row else None
 
+    def robots(self) -> list[str]:
+        """Return the names of the robots whose ledgers are kept, sorted. Raises StoreError."""
+        with self._errors():
+            return [name for (name,) in self._base.execute("SELECT robot FROM ledger ORDER BY robot")]
+
     def progress(self, robot: str, recording: str) -> Progress:
         """Return how far a recording has been replayed into this robot's ledger."""
         with self._errors():

@@ -40,6 +40,10 @@ class Store(ABC):
         """Return the robot's ledger as it was saved, or None. Raises StoreError where it cannot be read."""
 
     @abstractmethod
+    def robots(self) -> list[str]:
+        """Return the names of the robots whose ledgers are kept, sorted. Raises StoreError."""
+
+    @abstractmethod
     def progress(self, robot: str, recording: str) -> Progress:
         """Return how far a recording has been replayed into this robot's ledger."""
 

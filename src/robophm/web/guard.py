@@ -19,6 +19,9 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 MOST_BYTES = 24_000_000
 """Largest body of a request [bytes]: a design is 20 MB at most."""
 
+FILES, MOST_OF_FILES = "/api/new/files", 8_000_000_000
+"""The one address that takes larger ones, recordings, which are written to the disk as they come; and their most."""
+
 COOKIE = "robophm_token"
 
 SECURITY = {
@@ -88,7 +91,7 @@ class Guard:
                 said.setdefault("cache-control", _kept(scope["path"]))
             await send(message)
 
-        await self._app(scope, _bounded(receive), answer)
+        await self._app(scope, _bounded(receive, _most(scope["path"])), answer)
 
     def _refusal(self, scope: Scope, headers: Headers) -> tuple[int, str] | None:
         host = headers.get("host", "")
@@ -105,8 +108,9 @@ class Guard:
         if writes and headers.get("sec-fetch-site", "same-origin") not in ("same-origin", "none"):
             return 403, "a page from elsewhere may not do this"
         length = headers.get("content-length", "0")
-        if not length.isdecimal() or int(length) > MOST_BYTES:
-            return 413, f"the request is larger than {MOST_BYTES // 1_000_000} MB"
+        most = _most(scope["path"])
+        if not length.isdecimal() or int(length) > most:
+            return 413, f"the request is larger than {most // 1_000_000:,} MB"
         if self._token and not self._knows(scope, headers):
             return 401, "expected the token that the service was started with: open its address with ?token=… once"
         return None
@@ -122,6 +126,10 @@ class Guard:
         if COOKIE in cookies:
             said.append(cookies[COOKIE].value)
         return any(hmac.compare_digest(one.encode(), (self._token or "").encode()) for one in said)
+
+
+def _most(path: str) -> int:
+    return MOST_OF_FILES if path == FILES else MOST_BYTES
 
 
 def _kept(path: str) -> str:
@@ -168,7 +176,7 @@ class TooLargeError(Exception):
     """The body goes on beyond what it may be."""
 
 
-def _bounded(receive: Receive) -> Receive:
+def _bounded(receive: Receive, most: int) -> Receive:
     """The same messages, as long as their bodies are not too large in all."""
     total = 0
 
@@ -176,7 +184,7 @@ def _bounded(receive: Receive) -> Receive:
         nonlocal total
         message = await receive()
         total += len(message.get("body", b""))
-        if total > MOST_BYTES:
+        if total > most:
             raise TooLargeError
         return message
 

@@ -6,11 +6,11 @@ import logging
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from robophm.core.errors import RobophmError, SourceError
 from robophm.core.signal import Sample
@@ -22,15 +22,19 @@ from robophm.health.why import Explanation, explain
 from robophm.monitoring.live_loop import watch
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import kept_ledger
+from robophm.monitoring.stored_past import unknown_robot
 from robophm.monitoring.task_history import TaskRecord, judge_on_the_way
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.stores import Address, open_store, store_exists
+from robophm.stores.memory import MemoryStore
+from robophm.stores.store import Progress, Store
 from robophm.transports.recordings.journal import Journal
+from robophm.transports.recordings.paced import Paced
 from robophm.transports.signals.report_sink import JudgedTask
 from robophm.transports.signals.source import LiveItem, LiveSource, SignalSource, TopicInfo
 from robophm.transports.tasks.listener import known_topics
 from robophm.web.series import Board
-from robophm.web.sources import Choice
+from robophm.web.sources import Choice, begins
 
 QUICK, FULL = 0.5, 2.0
 """Seconds between two looks at the figures, and at remaining life too, at least."""
@@ -108,11 +112,32 @@ class _Tapped(LiveSource):
         self._source.close()
 
 
+class _PastAlone(MemoryStore):
+    """A store of ledgers that keeps no reports, of which nobody asks and which would become many."""
+
+    def save(
+        self,
+        robot: str,
+        ledger: Mapping[str, Any],
+        progress: Iterable[Progress] = (),
+        reports: Sequence[Mapping[str, Any]] = (),
+    ) -> None:
+        super().save(robot, ledger, progress)
+
+
 class Monitoring:
     """Watches one robot at a time; for any number of threads."""
 
-    def __init__(self, store: Address | None = None, journal: Path | None = None, period: float = 1.0) -> None:
-        self._store, self._journal, self._period = store, journal, period
+    def __init__(
+        self, store: Address | None = None, journal: Path | None = None, period: float = 1.0, *, own: bool = False
+    ) -> None:
+        """Keep the robot's past in a store, or without one as long as this lives.
+
+        ``own``: the store is of this robot alone, and not of what recordings are played of.
+        """
+        self._store, self._journal, self._period, self._own = store, journal, period, own
+        self._played: dict[str, _PastAlone] = {}
+        """Pasts that are in no store, by the name of their source: of recordings until their end."""
         self._lock = threading.Lock()
         self._source: SignalSource | None = None
         self._thread: threading.Thread | None = None
@@ -132,16 +157,21 @@ class Monitoring:
                 raise SourceError("monitoring runs already; stop it first")
             if not robot.signals:
                 raise SourceError("the design listens to nothing; bind a sensor first")
+            with self._store_of(choice) as store:
+                ledger = self._kept(robot, store)
             source = choice.open(speed)
             try:
                 told = choice.tasks()
             except RobophmError as error:
                 source.close()
                 raise SourceError(str(error)) from None
+            if isinstance(source, Paced) and ledger and ledger.newest is not None:
+                source.go_on(ledger.newest, list(ledger.pending.samples()))
+                told = [one for one in told if begins(one) >= ledger.newest]
             self.board = Board(robot.max_ages, robot.max_gap)
             self._source = source
             self.run = run = Run(robot, choice.label, design_state)
-            said = (run, source, told, self.board)
+            said = (run, source, told, self.board, choice)
             self._thread = threading.Thread(target=self._watch, args=said, name="monitoring", daemon=True)
             self._thread.start()
 
@@ -166,16 +196,50 @@ class Monitoring:
             return run.ledger if run.robot is robot else Ledger.of(robot, run.ledger.to_json())
         if self._store and store_exists(self._store):
             with open_store(self._store) as store:
-                kept = kept_ledger(robot, store)
+                kept = self._kept(robot, store)
             if kept is not None:
                 return kept
         return Ledger.new(robot)
 
-    def _watch(self, run: Run, source: SignalSource, told: object, board: Board) -> None:
+    def _store_of(self, choice: Choice) -> Store:
+        """The store that a source's samples go to."""
+        if self._store and not (self._own and choice.paced):
+            return open_store(self._store)
+        return self._played.setdefault(choice.name, _PastAlone())
+
+    def _kept(self, robot: Robot, store: Store) -> Ledger | None:
+        """The robot's ledger in a store. Raises StoreError where the store is its own, and knows it by another name."""
+        found = kept_ledger(robot, store)
+        if found is None and self._own and store.robots():
+            raise unknown_robot(self._store or "", store, robot)
+        return found
+
+    def known_by_another_name(self, robot: Robot) -> None:
+        """Raise StoreError where the store is of this robot alone, and knows it by another name."""
+        if self._own and self._store and store_exists(self._store):
+            with open_store(self._store) as store:
+                self._kept(robot, store)
+
+    def pasts(self, identity: str) -> list[Mapping[str, Any]]:
+        """Return the pasts of a robot by its identity, as ledgers keep them: of the latest run, and of the store.
+
+        Raises StoreError where it cannot be read.
+        """
+        found: list[Mapping[str, Any]] = []
+        run = self.run
+        if run and run.ledger is not None and run.robot.identity == identity:
+            found.append(run.ledger.to_json())
+        if self._store and store_exists(self._store):
+            with open_store(self._store) as store:
+                kept = store.ledger(identity)
+            found += [kept] if kept else []
+        return found
+
+    def _watch(self, run: Run, source: SignalSource, told: object, board: Board, choice: Choice) -> None:
         try:
             with ExitStack() as stack:
                 stack.callback(source.close)
-                store = stack.enter_context(open_store(self._store)) if self._store else None
+                store = stack.enter_context(self._store_of(choice))
                 journal = stack.enter_context(Journal(self._journal, run.robot.signals)) if self._journal else None
                 look = _Looking(run, board)
 
@@ -194,6 +258,8 @@ class Monitoring:
                 monitor.reach_marks()
                 look.last(monitor)
                 run.notes = dict(source.notes)
+            if not run.stopped:
+                self._played.pop(choice.name, None)  # at its end a recording begins anew
             run.state = "stopped" if run.stopped else "ended"
         except (RobophmError, OSError) as error:
             run.error, run.state = str(error), "failed"

@@ -13,9 +13,13 @@ from typing import TYPE_CHECKING, Annotated
 from fastapi import Depends, Request
 
 from robophm.core.errors import DesignError, RobophmError
+from robophm.design.identities import identities
+from robophm.design.identity_edits import NOTHING, Lived
 from robophm.design.problems import Problem as Found
+from robophm.drafting.received import ReceivedFiles
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
+from robophm.health.ledger_parts import Fate, fates, lived
 from robophm.health.outlooks import View, outlooks
 from robophm.health.prognosis import Outlook
 from robophm.stores import Address
@@ -49,6 +53,8 @@ class Settings:
     """Seed of the synthetic robot, where it can be chosen."""
     host: str = "127.0.0.1"
     token: str | None = None
+    own_store: bool = False
+    """Whether the store is this robot's alone, as one beside its design is: recordings that are played do not count."""
 
 
 class Service:
@@ -57,9 +63,12 @@ class Service:
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
         self.workspace = Workspace(settings.design)
-        self.monitoring = Monitoring(settings.store, settings.journal)
+        self.monitoring = Monitoring(settings.store, settings.journal, own=settings.own_store)
         self.jobs = Jobs()
-        self.sources: Mapping[str, Choice] = choices(settings.recordings, seed=settings.seed)
+        self.received = ReceivedFiles(settings.design.with_name(settings.design.name + ".files"), settings.recordings)
+        """The files that were handed in for a draft of the robot, in a folder beside its design."""
+        self.seed = settings.seed
+        """Seed of the synthetic robot, where it can be chosen."""
         self._shelf = PreparedRobots()
         self.changed_outside = False
         """Whether the file holds what somebody else has made of it, and taking it would lose edits or is impossible."""
@@ -80,6 +89,11 @@ class Service:
         while not self._ended.wait(FOLLOWED_EVERY):
             with suppress(RobophmError, sqlite3.Error):
                 self.changed_outside = self.workspace.follow_file()
+
+    @property
+    def sources(self) -> Mapping[str, Choice]:
+        """Return what the robot can be watched by, by name: recordings that were handed in among them."""
+        return choices(self.received.recordings, seed=self.seed)
 
     def prepared(self, state: int | None = None) -> PreparedRobot:
         """Return the robot of the design now, or of an earlier state. Raises DesignError where that is no design."""
@@ -106,6 +120,30 @@ class Service:
     def past(self, prepared: PreparedRobot) -> tuple[ExposureIntegrator, Ledger]:
         """Return the robot's ledger as far as is known. Raises StoreError."""
         return ExposureIntegrator(prepared.robot), self.monitoring.last_ledger(prepared.robot)
+
+    def lived(self) -> Lived:
+        """Return what of the design now, and of what was in it, has a past. Raises StoreError."""
+        checked = self.workspace.checked.of(self.workspace.draft().text)
+        name = str(checked.document.get("identity") or checked.document.get("name"))
+        parts = identities(checked.robot) if checked.robot else ()
+        found = [lived(data, parts) for data in self.monitoring.pasts(name)]
+        if not found:
+            return NOTHING
+        every = {name}.union(*(one.every for one in found))
+        return Lived(every, set().union(*(one.doubted or () for one in found)) if checked.robot else None)
+
+    def fates(self) -> list[Fate] | None:
+        """Return what becomes of the past under the design now; None where there is no past, or no valid design.
+
+        Raises StoreError where it cannot be read, or is of the robot by another name.
+        """
+        robot = self.workspace.checked.of(self.workspace.draft().text).robot
+        if robot is None:
+            return None
+        pasts = self.monitoring.pasts(robot.identity)
+        if not pasts:
+            self.monitoring.known_by_another_name(robot)
+        return fates(pasts[0], identities(robot)) if pasts else None
 
     def outlooks(self, prepared: PreparedRobot) -> Mapping[View, Outlook]:
         """Return both views of the robot with its past as far as is known. Raises StoreError."""

@@ -36,6 +36,28 @@ class Problem(Shape):
     line: int | None
 
 
+class PastOfPart(Shape):
+    """The fate of the past of one part under the design now."""
+
+    path: str
+    place: list[str]
+    """Keys that lead to it in the document; none for a part that is removed."""
+    kind: str
+    said: str
+    candidates: list[str]
+    """Identities of parts that it may be, the likeliest first, where that is asked."""
+
+
+class PastOfDesign(Shape):
+    """The fate of the robot's past under the design now, without the parts that go on as they were."""
+
+    kept: bool
+    """Whether the robot has a past."""
+    parts: list[PastOfPart]
+    trouble: str
+    """Why its past cannot be read; "" where it can."""
+
+
 class DesignState(Shape):
     """The state of the design now."""
 

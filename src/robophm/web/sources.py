@@ -43,9 +43,14 @@ def choices(recordings: Iterable[Path], *, seed: int | None = None, live: bool =
         found.append(Choice("synthetic", "synthetic OTA", lambda speed: _synthetic(seed, speed),
                             lambda: _synthetic_tasks(seed), True))  # fmt: skip
     if live:
-        found.append(Choice("ros1", "ROS 1 (ROS_MASTER_URI)", lambda speed: _live("1"), lambda: (), False))
-        found.append(Choice("ros2", "ROS 2 (ROS_DOMAIN_ID)", lambda speed: _live("2"), lambda: (), False))
+        found.append(Choice("ros1", "ROS 1 (ROS_MASTER_URI)", lambda speed: _live("ros1"), lambda: (), False))
+        found.append(Choice("ros2", "ROS 2 (ROS_DOMAIN_ID)", lambda speed: _live("ros2"), lambda: (), False))
     return {one.name: one for one in found}
+
+
+def begins(task: PlannedTask | DoneTask) -> int:
+    """Return when a recording first tells of a task [ns]."""
+    return task.time if isinstance(task, PlannedTask) else task.start
 
 
 def chosen(known: dict[str, Choice], name: str) -> Choice:
@@ -74,7 +79,7 @@ def _synthetic_tasks(seed: int) -> Told:
     return SyntheticOta(seed=seed).tasks()
 
 
-def _live(generation: str) -> SignalSource:
-    from robophm.transports.running_ros import open_live
+def _live(via: str) -> SignalSource:
+    from robophm.transports.running_robot import open_live
 
-    return open_live(generation).source
+    return open_live(via).source

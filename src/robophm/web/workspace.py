@@ -10,6 +10,7 @@ import difflib
 import hashlib
 import io
 import itertools
+import os
 import secrets
 import sqlite3
 import threading
@@ -96,8 +97,12 @@ class Workspace:
         """Whether there was no file at first."""
         text = new_design(path) if self.begun else read(path)
         edits = path.with_name(path.name + ".edits")
+        there = edits if edits.exists() else edits.parent
+        self.lasting = os.access(there, os.W_OK) and os.access(edits.parent, os.W_OK)
+        """Whether its edits outlive it; they do not where the folder cannot be written."""
         try:
-            self._base = sqlite3.connect(edits, timeout=10.0, isolation_level=None, check_same_thread=False)
+            where = edits if self.lasting else ":memory:"
+            self._base = sqlite3.connect(where, timeout=10.0, isolation_level=None, check_same_thread=False)
             weakref.finalize(self, self._base.close)  # who does not close, lets go of it with the workspace
             self._open(text)
         except sqlite3.Error as error:

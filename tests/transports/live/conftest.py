@@ -1,3 +1,4 @@
+from ..mqtt.conftest import mosquitto
 from ..ros2_dds.conftest import domain
 
-__all__ = ["domain"]
+__all__ = ["domain", "mosquitto"]

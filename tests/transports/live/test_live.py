@@ -10,7 +10,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 
 from robophm.core.errors import SourceError
-from robophm.transports.running_ros import generation_here, open_live
+from robophm.transports.running_robot import generation_here, open_live
 
 LOOPBACK = "127.0.0.1"
 
@@ -55,7 +55,7 @@ def test_a_master_that_answers(monkeypatch: pytest.MonkeyPatch, master: str) -> 
     monkeypatch.setenv("ROS_MASTER_URI", master)
     assert generation_here() == (1, "a ROS master answers")
     with open_live(period=1).source:
-        assert open_live("1").said == "listening to ROS 1 (ros1): as asked"
+        assert open_live("ros1").said == "listening to ROS 1 (ros1): as asked"
 
 
 def test_a_master_that_should_be_there_and_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -70,8 +70,8 @@ def test_nothing_at_all(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     with pytest.raises(SourceError, match=r"nothing here speaks ROS 2: pip install robophm\[ros2\]"):
         generation_here()
-    with pytest.raises(SourceError, match="no ROS '3'; expected auto, 1, 2"):
-        open_live("3")
+    with pytest.raises(SourceError, match=r"nothing is heard by way of 'dss'; .*auto, dds, rclpy, ros1, ros2"):
+        open_live("dss")
 
 
 def test_ros_2_where_no_master_is(cyclonedds: None) -> None:

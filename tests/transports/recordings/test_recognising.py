@@ -84,7 +84,8 @@ def test_an_sqlite_file_without_messages_is_no_recording(tmp_path: Path) -> None
     with pytest.raises(SourceError, match="holds no recording"):
         recordings_in([tmp_path])
     with pytest.raises(
-        SourceError, match=r"robots\.db: not a recording; expected bag, csv, db3, journal, mcap.* or a folder"
+        SourceError,
+        match=r"robots\.db: not a recording; expected bag, csv, dataflash, db3, journal, mavlink, mcap.* or a folder",
     ):
         open_source(tmp_path / "robots.db")
 

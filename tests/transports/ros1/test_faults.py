@@ -133,7 +133,7 @@ class Supervised:
             self._publisher = self.system.start("/usr/bin/python3", "-c", code, ",".join(TOPICS), log)
         if self.watcher is None or self.watcher.poll() is not None:
             self._buried()
-            words = ["robot.yaml", "--ros", "1", "--store", "past.db", "--journal", "run.journal", "--period", "60"]
+            words = ["robot.yaml", "--via", "ros1", "--store", "past.db", "--journal", "run.journal", "--period", "60"]
             with (self.folder / "watcher.txt").open("w") as said:
                 self.watcher = subprocess.Popen(
                     [sys.executable, "-m", "robophm", "watch", *words, "--json", "--every", "1000"],

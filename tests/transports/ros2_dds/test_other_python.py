@@ -42,7 +42,7 @@ def sourced(request: pytest.FixtureRequest, domain: int, tmp_path: Path) -> dict
     shutil.copy(compiled, package / f"_rclpy_pybind11{tag}.so")
     return os.environ | {
         "ROS_VERSION": "2", "ROS_DISTRO": "humble", "AMENT_PREFIX_PATH": str(prefix),
-        "PYTHONPATH": os.pathsep.join([str(package.parent), str(LAUNCHED)]),
+        "PYTHONPATH": os.pathsep.join([str(package.parent), str(LAUNCHED), os.environ.get("PYTHONPATH", "")]),
     }  # fmt: skip
 
 
@@ -67,7 +67,7 @@ def test_what_the_launch_file_runs_watches_and_says_each_line_at_once(
     (tmp_path / "robot.yaml").write_text(DESIGN)
     (tmp_path / "robophm").write_text(f'#!/bin/sh\nexec {sys.executable} -m robophm "$@"\n')
     (tmp_path / "robophm").chmod(0o755)
-    parameters = {"design": "robot.yaml", "robophm": str(tmp_path / "robophm"), "period": 0.5, "ros": "2"}
+    parameters = {"design": "robot.yaml", "robophm": str(tmp_path / "robophm"), "period": 0.5, "via": "ros2"}
     program = f"from robophm_ros.command import command; print('\\n'.join(command({parameters!r})))"
     found = subprocess.run([sys.executable, "-c", program], env=sourced, capture_output=True, text=True, check=True)
     process = subprocess.Popen(

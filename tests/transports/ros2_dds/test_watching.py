@@ -79,7 +79,7 @@ def test_a_journal_replayed_gives_the_ledger_bit_for_bit(motor: Peer, cyclonedds
 
 def test_topics_says_types_rates_and_last_values(motor: Peer, cyclonedds: None, tmp_path: Path) -> None:
     motor.ask("writer odd rt/odd odd_msgs::msg::dds_::Odd_ reliable volatile", "made")
-    process = start(tmp_path, "topics", "--ros", "2", "--seconds", "2", "--json")
+    process = start(tmp_path, "topics", "--via", "ros2", "--seconds", "2", "--json")
     said, warned = process.communicate(timeout=50)
     assert process.returncode == 0, warned
     assert warned == "listening to ROS 2 (ros2_dds): as asked; rclpy cannot be imported\n"

@@ -25,7 +25,7 @@ def empty(tmp_path):
 def test_from_nothing_to_a_running_analysis(empty, visit):
     look = visit(empty, accept_downloads=True)
     page = look.open()
-    page.get_by_role("button", name="Start a new robot").click()
+    page.get_by_role("button", name="Draw it by hand").click()
     designed(look, page)
     configured(page)
     bound(look, page)

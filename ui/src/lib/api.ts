@@ -104,3 +104,24 @@ export function remove<P extends With<"delete">>(path: P, query: Query): Promise
 export function upload<P extends With<"post">>(path: P, file: Blob, query: Query): Promise<Json<Of<P, "post">>> {
   return ask("post", path, query, file) as Promise<Json<Of<P, "post">>>;
 }
+
+/** A file of any size, with the share of it that has gone over so far. */
+export function send<P extends With<"post">>(path: P, file: Blob, query: Query, gone: (share: number) => void): Promise<Json<Of<P, "post">>> {
+  return new Promise((resolve, reject) => {
+    const request = new XMLHttpRequest(); // fetch does not say how far it is
+    request.open("POST", address(path, query));
+    request.setRequestHeader("content-type", "application/octet-stream");
+    request.upload.onprogress = (event) => gone(event.loaded / Math.max(event.total, 1));
+    request.onerror = () => reject(new Refused(0, "the service took no more of it, or does not answer"));
+    request.onload = () => {
+      try {
+        const found = JSON.parse(request.responseText) as Json<Of<P, "post">> & { message?: string };
+        if (request.status === 200) resolve(found);
+        else reject(new Refused(request.status, found.message ?? `refused (${request.status})`));
+      } catch {
+        reject(new Refused(request.status, `the service answered what is no JSON (${request.status})`));
+      }
+    };
+    request.send(file);
+  });
+}

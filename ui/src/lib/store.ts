@@ -1,6 +1,6 @@
 // What all pages share: the design, preferences, toasts. Each is a value with listeners.
 import { useSyncExternalStore } from "react";
-import { type DesignState, get, type Operation, type Outside, post, put, Refused } from "./api";
+import { type DesignState, get, type Operation, type Outside, post, put, Refused, type Shapes } from "./api";
 import type { RateUnit } from "./words";
 
 export class Shared<T> {
@@ -224,6 +224,20 @@ export function replaceText(text: string, what: string): Promise<boolean> {
     () => void replaceText(text, what),
     (before, now) => made(before, now, what),
   );
+}
+
+/** Make a draft of the robot the design, and save it. */
+export function useDraft(asked: Omit<Shapes["UseAsked"], "revision">, what: string): Promise<boolean> {
+  return write(
+    (revision) => post("/api/new/use", { ...asked, revision }),
+    () => void useDraft(asked, what),
+    (before, now) => made(before, now, what),
+  );
+}
+
+/** Open the example robot, and watch it drive. */
+export function runExample(): Promise<boolean> {
+  return write((revision) => post("/api/new/example", { revision }), () => void runExample(), (before, now) => made(before, now, "open the example robot"));
 }
 
 type One = Own["done"][number];

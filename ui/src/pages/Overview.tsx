@@ -1,23 +1,26 @@
-import { type ReactNode, useEffect, useState } from "react";
-import { get, type Health, type Shapes } from "../lib/api";
+import { type ReactNode, useEffect } from "react";
+import type { Health, Shapes } from "../lib/api";
 import { horizon, useHealth } from "../lib/health";
-import { go, replaceText, sayError, useDesign, useShared, useUnit } from "../lib/store";
+import { useDesign, useShared, useUnit } from "../lib/store";
 import { everyPart, treeOf } from "../lib/tree";
 import { chanceWords, durationText, marked, momentText, moreText, numberText, oddsText, percentText, rateText, secondsText, type Unknown } from "../lib/words";
 import { Bars } from "../parts/Bars";
-import { FileButton, Select } from "../parts/Field";
+import { Select } from "../parts/Field";
 import { ICONS, State } from "../parts/Icon";
 import { ProblemList } from "../parts/Problems";
 import { Watching } from "../parts/Watching";
+import { Ranges } from "./overview/Ranges";
 
 export const page = { name: "Overview", icon: ICONS.pulse, order: 10 };
 
 export default function Overview(): ReactNode {
   const design = useDesign();
   const { health, error } = useHealth();
-  if (!design) return null;
-  const empty = ![...everyPart(treeOf(design))].some((part) => part.kind === "component");
-  if (empty) return <Begin />;
+  const empty = design !== null && ![...everyPart(treeOf(design))].some((part) => part.kind === "component");
+  useEffect(() => {
+    if (empty) location.replace("#/new");
+  }, [empty]);
+  if (!design || empty) return null;
   return (
     <>
       <div className="head">
@@ -87,6 +90,7 @@ function Figures({ health }: { health: Health }): ReactNode {
           ]} />
         )}
       </div>
+      <Ranges />
       <div className="two">
         <section className="card">
           <ToCome found={health.to_come} left={left} />
@@ -268,41 +272,5 @@ function Modules({ subjects }: { subjects: Shapes["SubjectHealth"][] }): ReactNo
         ))}
       </tbody>
     </table>
-  );
-}
-
-/** Nothing is designed yet. */
-function Begin(): ReactNode {
-  const [examples, setExamples] = useState<Shapes["Example"][]>([]);
-  useEffect(() => void get("/api/examples").then((found) => setExamples(found.examples)).catch(sayError), []);
-  const open = async (name: string): Promise<void> => {
-    try {
-      const { text } = await get("/api/examples/{name}", { name });
-      await replaceText(text, `open the example ${name}`);
-    } catch (error) {
-      sayError(error);
-    }
-  };
-  return (
-    <div className="empty">
-      <h2>No robot yet</h2>
-      <p>Begin one of your own, import what you have, or look at an example. Everything can be undone.</p>
-      <div className="row">
-        <button className="primary" onClick={() => go("design")}>
-          Start a new robot
-        </button>
-        <FileButton label="Open a design file" accept=".yaml,.yml" take={(file) => void file.text().then((text) => replaceText(text, `open ${file.name}`)).catch(sayError)} />
-        <button onClick={() => go("parts", "import")}>Import a parts list</button>
-        <button onClick={() => go("reports", "legacy")}>Import a file of the 2020 tool</button>
-      </div>
-      <h3>Examples</h3>
-      <div className="row">
-        {examples.map((one) => (
-          <button key={one.name} onClick={() => void open(one.name)}>
-            {one.title}
-          </button>
-        ))}
-      </div>
-    </div>
   );
 }

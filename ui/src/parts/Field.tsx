@@ -4,12 +4,14 @@ interface Common {
   label: string;
   hint?: string;
   wrong?: string;
+  /** Whether the label is only spoken. */
+  spoken?: boolean;
 }
 
-function Frame({ id, label, hint, wrong, children }: Common & { id: string; children: ReactNode }): ReactNode {
+function Frame({ id, label, hint, wrong, spoken, children }: Common & { id: string; children: ReactNode }): ReactNode {
   return (
     <div className="field">
-      <label htmlFor={id}>{label}</label>
+      <label htmlFor={id} className={spoken ? "hidden" : undefined}>{label}</label>
       {children}
       {hint && (
         <span className="hint" id={`${id}-hint`}>
@@ -27,11 +29,11 @@ function Frame({ id, label, hint, wrong, children }: Common & { id: string; chil
 
 type TextProps = Common & { value: string; set: (value: string) => void } & Omit<InputHTMLAttributes<HTMLInputElement>, "value" | "onChange">;
 
-export function Text({ label, hint, wrong, value, set, ...more }: TextProps): ReactNode {
+export function Text({ label, hint, wrong, spoken, value, set, ...more }: TextProps): ReactNode {
   const id = useId();
   const says = [hint && `${id}-hint`, wrong && `${id}-wrong`].filter(Boolean).join(" ");
   return (
-    <Frame id={id} label={label} hint={hint} wrong={wrong}>
+    <Frame id={id} label={label} hint={hint} wrong={wrong} spoken={spoken}>
       <input id={id} value={value} aria-describedby={says || undefined} aria-invalid={wrong ? true : undefined} onChange={(event) => set(event.target.value)} {...more} />
     </Frame>
   );
@@ -115,7 +117,7 @@ export function Check({ label, value, set }: { label: string; value: boolean; se
   );
 }
 
-export function FileButton({ label, accept, take }: { label: string; accept: string; take: (file: File) => void }): ReactNode {
+export function FileButton({ label, accept, take, several }: { label: string; accept?: string; take?: (file: File) => void; several?: (files: File[]) => void }): ReactNode {
   const id = useId();
   return (
     <>
@@ -132,9 +134,11 @@ export function FileButton({ label, accept, take }: { label: string; accept: str
         type="file"
         tabIndex={-1}
         accept={accept}
+        multiple={several !== undefined}
         onChange={(event) => {
-          const file = event.target.files?.[0];
-          if (file) take(file);
+          const files = [...(event.target.files ?? [])];
+          if (files.length) several?.(files);
+          if (files[0]) take?.(files[0]);
           event.target.value = "";
         }}
       />

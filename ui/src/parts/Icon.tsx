@@ -10,6 +10,7 @@ export const ICONS = {
   sensor: "M12 3v9M12 12a4 4 0 1 0 .01 0M9 6h2M9 9h2",
   task: "M5 6l2 2 3-4M5 13l2 2 3-4M13 6h7M13 13h7M13 20h7M5 20h4",
   report: "M6 3h9l4 4v14H6zM15 3v4h4M9 12h7M9 16h7",
+  add: "M4 8h9v9H4zM8 17v3M8 8V5M18 3v8M14 7h8",
   settings: "M4 7h9M17 7h3M4 17h3M11 17h9M13 5v4M7 15v4",
   search: "M11 11m-6 0a6 6 0 1 0 12 0a6 6 0 1 0-12 0M16 16l5 5",
   pause: "M8 5v14M16 5v14",

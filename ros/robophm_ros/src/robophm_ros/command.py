@@ -2,7 +2,7 @@
 
 import os
 
-FLAGS = ("period", "store", "journal", "frame", "speed", "ros")
+FLAGS = ("period", "store", "journal", "frame", "speed", "via")
 """Parameters that are options of ``robophm watch`` by the same name; empty is none."""
 
 

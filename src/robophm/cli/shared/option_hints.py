@@ -11,7 +11,7 @@ OPTIONS = {
     "expected a mission time": "expected --at",
     "expected the mission time": "expected it as --at",
     "or another topic": "or --topic",
-    "ask for ROS 2": "ask for ROS 2 (--ros 2)",
+    "ask for ROS 2": "ask for ROS 2 (--via ros2)",
     "unless values hold for longer": "unless --gap is longer",
     "as with fewer levels": "as with fewer levels (--bins)",
     "expected a robot with a past": "expected a robot with a past (--store, or --at)",

@@ -39,7 +39,9 @@ Horizon = Annotated[
 Unit = Annotated[str, typer.Option(help="of hazard rates: 1/h, FIT or FPMH", callback=_known_unit)]
 Legacy = Annotated[bool, typer.Option("--legacy", help="beside the figures of the 2020 tool")]
 Force = Annotated[bool, typer.Option("--force", help="also where that file exists")]
-Ros = Annotated[str, typer.Option("--ros", help="auto, 1 or 2: which ROS; auto says what it takes and why")]
+Via = Annotated[
+    str, typer.Option("--via", help="auto, ros1, ros2, dds, rclpy or mqtt://broker/topic: how the robot is heard")
+]
 ChanceSeed = Annotated[int, typer.Option(help="seed of --monte-carlo", min=0)]
 
 

@@ -29,19 +29,25 @@ def listen_for(source: LiveSource, seconds: float) -> list[HeardTopic]:
 
     Raises SourceError as ``listen``.
     """
-    fields = {info.topic: _numbers(info) for info in source.topics()}
-    values: dict[str, dict[str, float]] = {topic: {} for topic in fields}
+    fields: dict[str, Sequence[str]] = {}
+    values: dict[str, dict[str, float]] = {}
     names: dict[str, dict[str, list[str]]] = {}
-    arrays = [topic for topic, some in fields.items() if any("[" in field for field in some)]
+    infos = source.topics()
     end = time.monotonic() + seconds
-    for heard in source.listen([f"{topic}.{field}" for topic, some in fields.items() for field in some], arrays):
-        if isinstance(heard, Sample) and heard.signal != CLOCK:
-            topic, field = split_signal(heard.signal)
-            values[topic][field] = heard.value
-        elif isinstance(heard, WholeMessage) and heard.message is not None:
-            add_names(names.setdefault(heard.topic, {}), names_in(heard.message))
-        if time.monotonic() >= end:  # clock samples come in silence too
-            break
+    while time.monotonic() < end:
+        fields = {info.topic: _numbers(info) for info in infos}
+        arrays = [topic for topic, some in fields.items() if not source.announced or any("[" in one for one in some)]
+        for heard in source.listen([f"{topic}.{field}" for topic, some in fields.items() for field in some], arrays):
+            if isinstance(heard, Sample) and heard.signal != CLOCK:
+                topic, field = split_signal(heard.signal)
+                values.setdefault(topic, {})[field] = heard.value
+            elif isinstance(heard, WholeMessage) and heard.message is not None:
+                add_names(names.setdefault(heard.topic, {}), names_in(heard.message))
+            elif not source.announced and len(found := source.topics()) > len(infos):
+                infos = found  # what was never heard before could not be asked for
+                break
+            if time.monotonic() >= end:  # clock samples come in silence too
+                break
     return [
         HeardTopic(info, fields.get(info.topic, ()), values.get(info.topic, {}), names.get(info.topic, {}))
         for info in source.topics()

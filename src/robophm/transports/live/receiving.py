@@ -37,6 +37,15 @@ TOGETHER = 0.002
 _clock_of = attrgetter("clock.sec", "clock.nanosec")
 
 
+class Decoder(Protocol):
+    """Reads the messages of one topic, ``topic``."""
+
+    topic: str
+
+    def read(self, raw: bytes, *, whole: bool) -> Numbers:
+        """Return the numbers of one message; ``whole``: and the message. Raises where it is none."""
+
+
 @dataclass
 class Count:
     """Messages of a topic, and their receipt [ns]."""
@@ -75,14 +84,14 @@ class Receiver:
         self._set = 0
         """Nanoseconds by which this machine's clock was set since listening began, as far as it was said."""
 
-    def messages(self, reading: TopicDecoder, raws: Sequence[bytes], before: int | None) -> int | None:
+    def messages(self, reading: Decoder, raws: Sequence[bytes], before: int | None) -> int | None:
         """Messages of one publisher have come, one after the other.
 
         ``before`` is the number in the sequence of the one before them, as is returned of the last.
         """
         topic, whole = reading.topic, reading.topic in self.whole
         for raw in raws:
-            if self.simulated and topic == CLOCK_TOPIC:
+            if self.simulated and topic == CLOCK_TOPIC and isinstance(reading, TopicDecoder):
                 with suppress(Exception):  # it is counted below
                     self._set_clock(reading, raw)
             try:
@@ -278,8 +287,8 @@ class Run:
                     one.close()
 
 
-class RosSource(LiveSource):
-    """A live source of either generation of ROS: one run at a time, which can be told to end."""
+class ListeningSource(LiveSource):
+    """The base of live sources: one run at a time, which can be told to end."""
 
     _run: Run | None = None
     _stopped = False  # before there was anything to end

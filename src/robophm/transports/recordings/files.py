@@ -10,7 +10,7 @@ from pathlib import Path
 
 from robophm.core.errors import SourceError, nearest
 from robophm.transports.recordings.format import MessageFormat, RecordingFormat, SampleFormat
-from robophm.transports.recordings.recognising import format_of, formats, suffixes
+from robophm.transports.recordings.recognising import Look, formats, look_at, suffixes
 
 PACKED = ".zstd"
 """Suffix of a file in a rosbag2 folder that is compressed as a whole."""
@@ -26,19 +26,21 @@ class EmptyError(SourceError):
     """A recording has no message."""
 
 
-def recognised(path: Path) -> RecordingFormat:
-    """The format of a file, by its content. Raises SourceError, with what can be read, where nobody recognises it."""
+def recognised(path: Path) -> Look:
+    """Look at a file of a format that is known. Raises SourceError, with what can be read, where nobody knows it."""
     with reading(path):
-        if not path.is_file():  # a pipe would be empty when it is read
-            raise SourceError(f"{path}: is no regular file")
-        if kind := format_of(path):
-            return kind
+        look = look_at(path)
+        if not look:
+            raise SourceError(f"{existing(path)}: is no regular file")
+        if look.kind:
+            return look
     raise SourceError(f"{path}: not a recording; expected {', '.join(formats())} or a folder with {METADATA}")
 
 
 def holds_messages(path: Path) -> bool:
     """Whether this is a file of messages, by its content."""
-    return path.is_file() and isinstance(format_of(path), MessageFormat)
+    look = look_at(path)
+    return look is not None and isinstance(look.kind, MessageFormat)
 
 
 def parts_of(path: Path) -> list[Path]:
@@ -57,7 +59,8 @@ def parts_of(path: Path) -> list[Path]:
 
 
 def _found(file: Path) -> bool:
-    return file.is_file() and _in_folders(format_of(file))
+    look = look_at(file)
+    return look is not None and _in_folders(look.kind)
 
 
 def _in_folders(kind: RecordingFormat | None) -> bool:
@@ -97,23 +100,40 @@ def log_of(path: Path) -> Path | None:
     return Path(log) if size and Path(log).is_file() else None
 
 
-def fingerprint_of(path: Path) -> str:
+def fingerprint_of(path: Path, content: memoryview | None = None) -> str:
     """Digest of the size and the first, middle and last 64 KiB of each file of messages, names left out.
 
-    What an SQLite file's recorder has left beside it belongs to it.
+    What an SQLite file's recorder has left beside it belongs to it. ``content`` is that of the file, where it is known.
     """
-    files = [part for part in path.iterdir() if holds_messages(part)] if path.is_dir() else [path]
-    files += filter(None, map(log_of, files))
-    digests = []
-    for each in files:
-        with each.open("rb", buffering=0) as file:
-            size = os.fstat(file.fileno()).st_size
-            digest = hashlib.sha256(str(size).encode())
-            for offset in (0, size // 2, size - _EDGE):
-                file.seek(max(0, offset))
-                digest.update(file.read(_EDGE))
-        digests.append(digest.hexdigest())
+    files = [part for part in path.iterdir() if holds_messages(part)] if content is None and path.is_dir() else [path]
+    logs = [log for file in files if (log := log_of(file))]
+    if content is None:
+        digests = [_digest(file) for file in files]
+    else:
+        digests = [_digest_of(len(content), [content[at : at + _EDGE] for at in _edges(len(content))])]
+    digests += map(_digest, logs)
     return hashlib.sha256("".join(sorted(digests)).encode()).hexdigest()
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb", buffering=0) as file:
+        size = os.fstat(file.fileno()).st_size
+        parts = []
+        for at in _edges(size):
+            file.seek(at)
+            parts.append(file.read(_EDGE))
+    return _digest_of(size, parts)
+
+
+def _edges(size: int) -> tuple[int, int, int]:
+    return 0, size // 2, max(0, size - _EDGE)
+
+
+def _digest_of(size: int, parts: Iterable[bytes | memoryview]) -> str:
+    digest = hashlib.sha256(str(size).encode())
+    for part in parts:
+        digest.update(part)
+    return digest.hexdigest()
 
 
 @contextmanager

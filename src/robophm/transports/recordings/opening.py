@@ -6,9 +6,8 @@ from pathlib import Path
 
 from robophm.core.argument_checks import path as given_path
 from robophm.core.errors import SourceError
-from robophm.transports.recordings.files import existing, recognised
+from robophm.transports.recordings.files import recognised
 from robophm.transports.recordings.format import SampleFormat
-from robophm.transports.recordings.recognising import is_packed
 from robophm.transports.signals.source import SignalSource
 
 
@@ -21,13 +20,15 @@ def open_source(*paths: str | Path) -> SignalSource:
     """
     if not paths:
         raise SourceError("no recordings; expected at least one")
-    given = [existing(Path(given_path(path, "recording", SourceError))) for path in paths]
+    given = [given_path(path, "recording", SourceError) for path in paths]
     for path in given:
-        kind = None if path.is_dir() else recognised(path)
+        if path.is_dir():
+            continue
+        kind, packed, _ = recognised(path)
         if isinstance(kind, SampleFormat):
             if len(given) > 1:
                 raise SourceError(f"{path}: holds samples, and is read alone; {len(given)} files were given")
-            if is_packed(path):
+            if packed:
                 raise SourceError(f"{path}: is compressed; expected it unpacked, as all that holds samples")
             return kind.open(path)
     from robophm.transports.recordings.salvage import Salvage

@@ -26,9 +26,14 @@ class Paced(SignalSource):
             raise SourceError(f"speed {speed:g}; expected above zero and at most a million")
         self._source = source
         self._speed = speed
+        self._heard: tuple[int, Collection[Sample]] | None = None
         self._closed = threading.Event()
         self.fingerprint = source.fingerprint
         self.notes = Counter()
+
+    def go_on(self, time: int, heard: Collection[Sample]) -> None:
+        """Skip what is earlier than a time [ns], and of that time itself the samples that were heard."""
+        self._heard = time, heard
 
     def topics(self) -> list[TopicInfo]:
         """Return the topics of the source that is paced."""
@@ -43,6 +48,8 @@ class Paced(SignalSource):
     def _paced(self, samples: Iterator[Sample]) -> Iterator[Sample]:
         begun, first = time.monotonic(), None
         for sample in samples:
+            if self._heard and (sample.time < self._heard[0] or sample in self._heard[1]):
+                continue
             first = sample.time if first is None else first
             due = begun + (sample.time - first) / SECOND / self._speed
             wait = due - time.monotonic()

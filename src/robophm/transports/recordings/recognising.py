@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import functools
+from errno import ELOOP, ENOENT, ENOTDIR
 from pathlib import Path
+from stat import S_ISREG
+from typing import NamedTuple
 
 from robophm.core.errors import PlugError
 from robophm.core.registry import load_plug, plugs
@@ -13,6 +16,9 @@ from robophm.transports.recordings.unchanged import State, settled
 
 FORMATS = "robophm.transports.recordings.formats"
 """The plug folder, and the group of entry points of other packages."""
+
+_NOTHING = (ENOENT, ENOTDIR, ELOOP)
+"""Errors of the system that say that there is nothing, or a link that leads nowhere."""
 
 _PACKED = (".zstd", ".zst", ".gz")
 
@@ -34,35 +40,46 @@ def suffixes() -> frozenset[str]:
     return frozenset(suffix for one in formats().values() for suffix in one.suffixes)
 
 
-def format_of(path: Path) -> RecordingFormat | None:
-    """The format that recognises what a regular file begins with, or else the one that its suffix is of; None else.
+class Look(NamedTuple):
+    """A first look at a regular file."""
 
-    The suffix may be right where a head is damaged, and where a format has no mark. Raises OSError.
+    kind: RecordingFormat | None
+    """The format that recognises what the file begins with, or else the one that its suffix is of; None else."""
+    packed: bool
+    """Whether it is compressed as a whole."""
+    state: State | None
+    """The state of the file; None where a later change might not show in it."""
+
+
+def look_at(path: Path) -> Look | None:
+    """Look at a file; None where there is no regular one: a pipe would be empty when it is read. Raises OSError.
+
+    The suffix may be right where a head is damaged, and where a format has no mark.
     """
-    return _look(path)[0]
-
-
-def is_packed(path: Path) -> bool:
-    """Whether a file is compressed as a whole. Raises OSError."""
-    return _look(path)[1]
-
-
-def _look(path: Path) -> tuple[RecordingFormat | None, bool]:
-    state = settled(path)
-    return _of_state(path, state) if state else _of_content(path)
+    try:
+        stat = path.stat()
+    except OSError as error:
+        if error.errno not in _NOTHING:
+            raise
+        return None
+    if not S_ISREG(stat.st_mode):
+        return None
+    state = settled(stat)
+    return _of_state(path, state) if state else _of_content(path, state)
 
 
 @functools.lru_cache(maxsize=8192)
-def _of_state(path: Path, state: State) -> tuple[RecordingFormat | None, bool]:
-    return _of_content(path)
+def _of_state(path: Path, state: State) -> Look:
+    return _of_content(path, state)
 
 
-def _of_content(path: Path) -> tuple[RecordingFormat | None, bool]:
+def _of_content(path: Path, state: State | None) -> Look:
     head, packed = head_of(path)
     suffix = _suffix(path)
     recognising = [one for one in formats().values() if head and one.recognises(head)]
     named = [one for one in formats().values() if suffix in one.suffixes]
-    return next(iter([one for one in recognising if one in named] or recognising or named), None), packed
+    kind = next(iter([one for one in recognising if one in named] or recognising or named), None)
+    return Look(kind, packed, state)
 
 
 def _suffix(path: Path) -> str:

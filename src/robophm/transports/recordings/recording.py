@@ -13,6 +13,7 @@ from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from heapq import merge
+from itertools import chain
 from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,10 +23,19 @@ from robophm.core.signal import SECOND, Sample, split_signal
 from robophm.health.clock_jumps import CLOCK_JUMP, stretches
 from robophm.transports.recordings.files import EmptyError, reading
 from robophm.transports.signals.element_names import Names, NotNamedError, add_names, name_getter, names_in
-from robophm.transports.signals.message_type import MessageType, field_getter, fields_of, message_type, ways_to
+from robophm.transports.signals.message_type import (
+    MessageType,
+    field_getter,
+    fields_of,
+    kinds_of,
+    message_type,
+    ways_to,
+)
 from robophm.transports.signals.source import STAMP_LIMIT, SignalColumns, SignalSource, TopicInfo
 
 if TYPE_CHECKING:
+    from rosbags.interfaces import Connection
+
     from robophm.transports.recordings.columns.pieces import PiecedFile, TopicExtent
 
 MOST_UNNAMED = 20
@@ -116,18 +126,20 @@ class Recording(SignalSource):
     @cached_property
     def _topics(self) -> list[TopicInfo]:
         types: dict[str, str] = {}
-        fields: dict[str, dict[tuple[str, ...], None]] = {}
+        fields: dict[str, list[tuple[str, ...]]] = {}
         counts: Counter[str] = Counter()
         firsts: dict[str, int] = {}
         lasts: dict[str, int] = {}
-        seen: set[int] = set()
+        described: list[Connection] = []
         for file, told in self._told:
+            if file.connections is not described:  # many files have the same
+                described = file.connections
+                for topic, type_, some in kinds_of(described):
+                    types.setdefault(topic, type_)
+                    if some not in fields.setdefault(topic, []):
+                        fields[topic].append(some)
             for connection in file.connections:
                 topic = connection.topic
-                if id(connection) not in seen:  # many files have the same
-                    seen.add(id(connection))
-                    types.setdefault(topic, connection.msgtype)
-                    fields.setdefault(topic, {})[fields_of(connection)] = None
                 if extent := told.get(connection.id):
                     messages, spans = extent
                     counts[topic] += messages
@@ -141,7 +153,7 @@ class Recording(SignalSource):
                 counts[topic],
                 firsts.get(topic),
                 lasts.get(topic),
-                tuple(dict.fromkeys(field for some in fields[topic] for field in some)),
+                fields[topic][0] if len(fields[topic]) == 1 else tuple(dict.fromkeys(chain(*fields[topic]))),
             )
             for topic in sorted(types)
         ]

@@ -8,7 +8,17 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 
 from robophm.core.errors import SourceError
-from robophm.transports.live.receiving import QUEUE, TICK, Count, Queue, Receiver, RosSource, Run, by_topic, tick_of
+from robophm.transports.live.receiving import (
+    QUEUE,
+    TICK,
+    Count,
+    ListeningSource,
+    Queue,
+    Receiver,
+    Run,
+    by_topic,
+    tick_of,
+)
 from robophm.transports.ros1.definition import ros2_name, type_of
 from robophm.transports.ros1.environment import place
 from robophm.transports.ros1.master import published_topics, system_state
@@ -27,7 +37,7 @@ CALLER = "/robophm"
 """Name under which the master is asked before there is a node."""
 
 
-class Ros1(RosSource):
+class Ros1(ListeningSource):
     """Live topics of ROS 1, of any type, through the master at ``master`` or ROS_MASTER_URI; a context manager.
 
     ``samples`` is endless: it goes on through a master, publishers and types that come and go, until ``close``, which

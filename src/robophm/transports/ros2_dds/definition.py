@@ -1,21 +1,23 @@
 """Types of messages by name: where their definitions are looked for, and the hash by which a publisher proves its own.
 
 DDS carries no definition of ROS's. It is looked for in the installations that AMENT_PREFIX_PATH names, in what comes
-with robophm, and in what rosbags brings of each distribution, until one has the hash that the publisher tells
-(REP-2011; Iron and later).
+with robophm (``interfaces/``), and in what rosbags brings of each distribution, until one has the hash that the
+publisher tells (REP-2011; Iron and later).
 """
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from robophm.core.errors import SourceError
 from robophm.transports.health_topics.definitions import PACKAGE, definition, typestore
+from robophm.transports.ros2_dds.interfaces import Interface, candidates
 from robophm.transports.signals.message_type import MessageType, message_type
 
 if TYPE_CHECKING:
@@ -85,7 +87,7 @@ def known(topic: str, name: str, told: str = "", *, newest: bool = False) -> Def
     Raises SourceError, which says how to give it, where there is none.
     """
     others: dict[str, list[str]] = {"another hash": [], "a damaged definition": []}
-    for text, origin in _texts(name, newest=newest or bool(told)):
+    for text, origin in _texts(topic, name, told, newest=newest):
         try:
             found = _compiled(topic, name, text, origin)
         except SourceError:
@@ -129,16 +131,19 @@ def _as_rosidl(part: Any) -> Any:
     return (node, ("uint8", 0)) if node == Nodetype.BASE and detail[0] == "char" else part
 
 
-def _texts(name: str, *, newest: bool) -> Iterator[tuple[str, str]]:
+def _texts(topic: str, name: str, told: str, *, newest: bool) -> Iterator[tuple[str, str]]:
     """Definitions of a type, and where each was found."""
     from rosbags.typesys import Stores, get_typestore
 
     for prefix in filter(None, os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)):
-        if (text := _installed(Path(prefix), name)) is not None:
+        if (text := _gathered(name, partial(_file, Path(prefix)))) is not None:
             yield text, prefix
+    for release, types in candidates(topic, name.removesuffix("Message"), told):
+        if (text := _gathered(name, partial(_shipped, types))) is not None:
+            yield text, f"{name.partition('/')[0]} of {release}"
     if name.startswith(f"{PACKAGE}/") and name in typestore(2).fielddefs:
         yield definition(name, 2), "robophm"
-    for distribution in DISTRIBUTIONS if newest else DISTRIBUTIONS[::-1]:
+    for distribution in DISTRIBUTIONS if newest or told else DISTRIBUTIONS[::-1]:
         store = get_typestore(Stores[distribution])
         if name in store.fielddefs:
             yield _generated(store, name), f"ROS 2 {distribution.removeprefix('ROS2_').title()}"
@@ -148,8 +153,8 @@ def _generated(store: Typestore, name: str) -> str:
     return str(store.generate_msgdef(name, ros_version=2)[0])
 
 
-def _installed(prefix: Path, name: str) -> str | None:
-    """The texts of a type and of all types in it, those that are not here by rosbags; None where it is not here."""
+def _gathered(name: str, own: Callable[[str], str | None]) -> str | None:
+    """The texts of a type and of all types in it, those that ``own`` has not by rosbags; None where it has not this."""
     from rosbags.interfaces import Nodetype
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -160,7 +165,7 @@ def _installed(prefix: Path, name: str) -> str | None:
         part = waiting.pop()
         if part in texts:
             continue
-        text = _file(prefix, part)
+        text = own(part)
         if text is None:
             if not texts:
                 return None
@@ -197,13 +202,25 @@ def _file(prefix: Path, name: str) -> str | None:
     return None
 
 
+def _shipped(types: Mapping[str, Interface], name: str) -> str | None:
+    """The text of one type in a release of a package that comes with robophm."""
+    if name.endswith("_FeedbackMessage"):
+        return _feedback_message(name) if name.removesuffix("Message") in types else None
+    return types[name].text if name in types else None
+
+
+def _feedback_message(name: str) -> str:
+    return f"unique_identifier_msgs/UUID goal_id\n{name.removesuffix('Message')} feedback\n"
+
+
 def _of_action(folder: Path, package: str, last: str) -> str | None:
     """The feedback of an action as a type: rosidl makes it of the third part of the action's file."""
     action, _, kind = last.partition("_")
     if kind == "FeedbackMessage":
-        return f"unique_identifier_msgs/UUID goal_id\n{package}/action/{action}_Feedback feedback\n"
+        return _feedback_message(f"{package}/action/{last}")
     path = folder / f"{action}.action"
     if kind != "Feedback" or path.stat().st_size > LONGEST_FILE:
         return None
     parts = re.split(r"^---\s*$", path.read_text(encoding="utf-8", errors="replace"), flags=re.M)
-    return parts[2] if len(parts) == 3 else None
+    # a type without its package is a message of the action's own
+    return re.sub(r"^([A-Z]\w*)(?=[\[\s])", rf"{package}/\1", parts[2], flags=re.M) if len(parts) == 3 else None

@@ -12,9 +12,9 @@ from robophm.transports.live.receiving import (
     CLOCK_TOPIC,
     QUEUE,
     TICK,
+    ListeningSource,
     Queue,
     Receiver,
-    RosSource,
     Run,
     by_topic,
     tick_of,
@@ -28,7 +28,7 @@ from robophm.transports.signals.message_type import numeric_fields
 from robophm.transports.signals.source import LiveItem, TopicInfo
 
 
-class Ros2(RosSource):
+class Ros2(ListeningSource):
     """Live topics of ROS 2, of any type whose definition is known, in a domain or ROS_DOMAIN_ID's; a context manager.
 
     ``samples`` is endless: it goes on through publishers and types that come and go, until ``close``, which may come

@@ -13,6 +13,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, fields, is_dataclass
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from robophm.core.errors import nearest
@@ -20,9 +21,14 @@ from robophm.core.signal import REORDERED, Element, Reduction, bracketed, steps_
 from robophm.transports.signals.array_reduction import reduced
 
 _NAMES = ("name", "names", "key", "keys")
+_OWN_NAMES = ("Name", "Key", "Type", "Id")
+"""Endings of the field by which JSON names an object, best first: ``referenceKey``, ``errorType`` (VDA 5050)."""
 _NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*\Z", re.ASCII)
 MOST_NAMES = 50
 """The most names that are kept to say which there are."""
+
+DEEPEST = 20
+"""Messages in messages, beyond which nothing is looked for."""
 
 
 class Field(NamedTuple):
@@ -55,7 +61,7 @@ class Namer:
         """Return the name of each element; none where there are not as many names. ``chain``: the messages around
         it."""
         if self.depth is None:
-            return [getattr(one, self.attribute) for one in elements]
+            return [getattr(one, self.attribute, "") for one in elements]
         names: Sequence[str] = getattr(chain[self.depth], self.attribute)
         return names if len(names) == len(elements) else ()
 
@@ -77,6 +83,10 @@ def namer_of(around: Sequence[Iterable[Field]], array: str, within: Iterable[Fie
     for one in own:
         if one.name in _NAMES:
             return Namer(one.attribute, None)
+    for ending in _OWN_NAMES:
+        for one in own:
+            if one.name.endswith(ending):
+                return Namer(one.attribute, None)
     for depth in reversed(range(len(around))):
         beside = [one for one in around[depth] if one.type == "string" and one.length is not None and one.name != array]
         known = [one for one in beside if one.name in _NAMES or one.name.endswith("_names")]
@@ -203,20 +213,21 @@ def names_in(message: Any, most: int = MOST_NAMES) -> dict[str, list[str]]:
     found: dict[str, list[str]] = {}
 
     def look(one: Any, prefix: str, around: Sequence[Sequence[Field]], chain: Sequence[Any]) -> None:
-        own = _fields_of(one)
+        own = fields_in(one) if len(chain) < DEEPEST else []
         around, chain = (*around, own), (*chain, one)
         for each in own:
             value = getattr(one, each.attribute)
-            if is_dataclass(value):
+            if each.length is None and fields_in(value):
                 look(value, f"{prefix}{each.name}.", around, chain)
             if each.length is None or each.type == "string" or not len(value) or len(found) >= most:
                 continue
-            namer = namer_of(around, each.name, _fields_of(value[0]))
+            namer = namer_of(around, each.name, fields_in(value[0]))
             names = [*namer.names(chain, value[:most] if namer.depth is None else value)][:most] if namer else []
+            names = [name if isinstance(name, str) else "" for name in names]  # JSON may have anything
             if names:
                 found[f"{prefix}{each.name}[]"] = names
             for name, element in zip(names, value, strict=False):
-                if is_dataclass(element):
+                if fields_in(element):
                     look(element, f"{prefix}{each.name}[{bracketed(name)}].", around, chain)
 
     look(message, "", (), ())
@@ -238,14 +249,19 @@ def add_names(known: dict[str, list[str]], more: Mapping[str, Sequence[str]]) ->
     return new
 
 
-def _fields_of(message: Any) -> list[Field]:
-    """The fields of a message, as far as its values tell what they are."""
+def fields_in(message: Any) -> list[Field]:
+    """Return the fields of a message, as far as its values tell what they are; none of what is no message."""
     found = []
-    for one in fields(message) if is_dataclass(message) else ():
-        if one.name.startswith("__"):  # what rosbags adds
-            continue
-        value = getattr(message, one.name)
+    for attribute in _attributes(message):
+        value = getattr(message, attribute)
         array = not isinstance(value, str) and hasattr(value, "__len__")
         text = isinstance(value[0], str) if array and len(value) else isinstance(value, str)
-        found.append(Field(one.name.rstrip("_"), one.name, "string" if text else "", 0 if array else None))
+        found.append(Field(attribute.rstrip("_"), attribute, "string" if text else "", 0 if array else None))
     return found
+
+
+def _attributes(message: Any) -> Iterable[str]:
+    """The names of a message's parts, be it of rosbags, which adds some of its own, or of JSON."""
+    if isinstance(message, SimpleNamespace):
+        return vars(message)
+    return [one.name for one in fields(message) if not one.name.startswith("__")] if is_dataclass(message) else ()

@@ -184,6 +184,19 @@ def fields_of(connection: Connection) -> tuple[str, ...]:
         return ()
 
 
+def kinds_of(connections: list[Connection]) -> list[tuple[str, str, tuple[str, ...]]]:
+    """Return topic, type and numeric fields of each of some connections: the files of one drive share their list."""
+    global _asked_last
+    last = _asked_last
+    if last[0] is not connections:
+        last = _asked_last = connections, [(one.topic, one.msgtype, fields_of(one)) for one in connections]
+    return last[1]
+
+
+_asked_last: tuple[list[Connection], list[tuple[str, str, tuple[str, ...]]]] = ([], [])
+"""The connections of which it was asked last, and the answer."""
+
+
 @lru_cache(maxsize=256)
 def _fields_of_type(type_: MessageType) -> tuple[str, ...]:
     return tuple(numeric_fields(type_.definitions, type_.name))

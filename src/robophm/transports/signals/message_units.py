@@ -3,7 +3,8 @@
 A field that stands for a whole vector gives its components their unit. A joint's position and effort are rad
 and N·m or m and N as the joint is, so they are left out; so are variances and covariances.
 
-Source: std_msgs, sensor_msgs, geometry_msgs, nav_msgs (common_interfaces), turtlesim; REP-103.
+Source: std_msgs, sensor_msgs, geometry_msgs, nav_msgs (common_interfaces), turtlesim; REP-103; the state topic of
+VDA 5050 2.1.
 """
 
 from __future__ import annotations
@@ -52,6 +53,19 @@ _UNITS: dict[str, dict[str, str]] = {
     "sensor_msgs/Range": {"field_of_view": "rad", "min_range": "m", "max_range": "m", "range": "m"},
     "sensor_msgs/RelativeHumidity": {"relative_humidity": ""},
     "sensor_msgs/Temperature": {"temperature": "degC"},
+    "vda5050/state": {
+        "agvPosition.x": "m",
+        "agvPosition.y": "m",
+        "agvPosition.theta": "rad",
+        "batteryState.batteryCharge": "percent",
+        "batteryState.batteryHealth": "percent",
+        "batteryState.batteryVoltage": "V",
+        "batteryState.reach": "m",
+        "distanceSinceLastNode": "m",
+        "velocity.vx": "m/s",
+        "velocity.vy": "m/s",
+        "velocity.omega": "rad/s",
+    },
     "turtlesim/Pose": {
         "x": "m",
         "y": "m",

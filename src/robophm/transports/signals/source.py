@@ -131,6 +131,8 @@ class LiveSource(SignalSource):
     """A source that is heard while it happens: endless until ``close``, which may come from any thread."""
 
     ends = False
+    announced: ClassVar[bool] = True
+    """Whether topics are announced before a message comes; otherwise only what was heard is known."""
 
     @abstractmethod
     def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:

@@ -10,12 +10,14 @@ from pydantic import Field
 
 from robophm.blocks.diagram import Block
 from robophm.core.errors import DesignError, nearest
+from robophm.drafting.first_look import look_at
 from robophm.health.curve_span import curve_span
 from robophm.health.fault_tree import fault_tree
 from robophm.health.importance import LIFELONG, LONGEST, Drawn, importances, usual_hours
 from robophm.health.prognosis import Outlook
 from robophm.health.report import VIEWS, plain
 from robophm.health.unknown_rates import unknown
+from robophm.report.first_look import advice, figure_rows
 from robophm.report.minimal_sets import MOST_PARTS, STEPS, counted, left_out
 from robophm.web.health import Life, life_of
 from robophm.web.prepared_robot import PreparedRobot, finite, unknown_of
@@ -91,6 +93,15 @@ class ImportanceList(Shape):
     more: int
     refused: str
     unknown: UnknownRates | None
+
+
+class RobotRanges(Shape):
+    """Ranges of a robot's figures that come of its uncertain rates."""
+
+    rows: list[list[str]]
+    """The name of a figure, and its 5 %, 50 % and 95 % quantiles; no rows where all rates are exactly known."""
+    advice: list[str]
+    """Sentences that say whom to ask for which figure; the one that would narrow the ranges most is first."""
 
 
 class CutSet(Shape):
@@ -249,3 +260,13 @@ def get_cut_sets(service: Served, most: Annotated[int, Query(ge=1, le=1000)] = 2
     found = [CutSet(parts=list(one.names), probability=finite(one.probability)) for one in listed.sets]
     says = f"{system.unknown.of_sets}." if system.unknown else ""
     return CutSets(counted=counted(listed, "cut"), sets=found, left_out=left_out(listed), unknown=says)
+
+
+@router.get("/ranges", responses=REFUSED)
+def get_ranges(service: Served) -> RobotRanges:
+    """The robot's figures as ranges while its rates are uncertain, and whose rate it would help most to know."""
+    prepared = service.prepared()
+    if not any(mode.uncertainty for mode in prepared.robot.modes):
+        return RobotRanges(rows=[], advice=[])
+    found = look_at(prepared.robot, service.outlooks(prepared)["sensor_based"])
+    return RobotRanges(rows=[list(row) for row in figure_rows(found)], advice=list(advice(found)))

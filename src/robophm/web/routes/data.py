@@ -12,6 +12,7 @@ from fastapi import APIRouter, Body, Query
 from fastapi.responses import HTMLResponse, PlainTextResponse, Response
 
 from robophm.core.errors import DesignError, nearest
+from robophm.drafting.received import file_name
 from robophm.health.reporting import health_report
 from robophm.monitoring.seen_wear import seen_wear, with_alarms
 from robophm.report.health_page import health_page
@@ -101,7 +102,7 @@ def import_parts(
 
     said = dict(pair.partition("=")[::2] for pair in columns or ())
     with tempfile.TemporaryDirectory(prefix="robophm-") as folder:
-        source, design = File(folder) / _plain(name), File(folder) / "design" / "robot.yaml"
+        source, design = File(folder) / file_name(name), File(folder) / "design" / "robot.yaml"
         design.parent.mkdir()
         source.write_bytes(body)
         design.write_text(service.workspace.draft().text, encoding="utf-8")
@@ -138,7 +139,7 @@ def import_2020(body: Upload, name: FileName = "phm_configurations.yaml") -> Imp
     from robophm.design.importers.legacy.reading import import_legacy
 
     with tempfile.TemporaryDirectory(prefix="robophm-") as folder:
-        source = File(folder) / _plain(name)
+        source = File(folder) / file_name(name)
         source.write_bytes(body)
         try:
             found = import_legacy(source)
@@ -152,13 +153,6 @@ def import_2020(body: Upload, name: FileName = "phm_configurations.yaml") -> Imp
     findings = [str(finding) for finding in found.findings]
     return Imported(text=found.text, findings=findings, columns=["level", "λ stored", "λ recomputed, 2020 tool"],
                     rows=rows)  # fmt: skip
-
-
-def _plain(name: str) -> str:
-    """The last step of a file's name, which leads nowhere else."""
-    last = name.replace("\\", "/").rpartition("/")[2]
-    kept = "".join(letter if letter.isalnum() or letter in "._- " else "_" for letter in last).lstrip(".")
-    return kept[-100:] or "file"
 
 
 @router.get("/api/report", response_class=HTMLResponse, responses=REFUSED)
@@ -189,7 +183,7 @@ def _report(service: Service) -> str:
     history: list[Any] = []
     if (store := service.settings.store) and store_exists(store):
         with open_store(store) as kept:
-            history = list(kept.history(prepared.robot.name))
+            history = list(kept.history(prepared.robot.identity))
     return health_page(prepared.robot, report, history, ledger.to_json())
 
 

@@ -7,9 +7,10 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query
 from fastapi.responses import PlainTextResponse
 
-from robophm.core.errors import DesignError
+from robophm.core.errors import DesignError, StoreError
 from robophm.core.yaml_values import values
-from robophm.design import editing
+from robophm.design import editing, identity_edits
+from robophm.design.identity_edits import NOTHING, Lived, place_at
 from robophm.design.located_error import LocatedError
 from robophm.web.drawing import drawing
 from robophm.web.service import Served
@@ -26,6 +27,8 @@ from robophm.web.shapes import (
     OfRevision,
     Operation,
     Outside,
+    PastOfDesign,
+    PastOfPart,
     PastState,
     PlaceParts,
     Put,
@@ -62,9 +65,11 @@ def get_design(service: Served) -> DesignState:
 def edit_design(edits: Edits, service: Served) -> DesignState:
     """Edit the design: all of the operations, or none."""
 
+    lived = service.lived()
+
     def change(document: Any) -> None:
         for operation in edits.operations:
-            apply(document, operation)
+            apply(document, operation, lived)
 
     draft = service.workspace.edit(edits.revision, change, edits.what or edits.operations[0].op)
     return service.design_state(draft)
@@ -86,6 +91,22 @@ def redo(asked: OfEdit, service: Served) -> DesignState:
 def save(asked: SaveAsked, service: Served) -> DesignState:
     """Write the design file, what was there kept beside it; not over what somebody has changed in it by hand."""
     return service.design_state(service.workspace.save(asked.revision, asked.over))
+
+
+@router.get("/past")
+def get_past(service: Served) -> PastOfDesign:
+    """Tell what becomes of the past of each part under the design now, before it is saved or watched."""
+    try:
+        found = service.fates()
+    except StoreError as error:
+        return PastOfDesign(kept=True, parts=[], trouble=str(error))
+    document = service.workspace.checked.of(service.workspace.draft().text).document
+    parts = [
+        PastOfPart(path=one.path, kind=one.kind, said=one.said, candidates=list(one.candidates),
+                   place=[] if one.kind == "removed" else list(place_at(document, one.path)))
+        for one in found or () if one.kind != "same"
+    ]  # fmt: skip
+    return PastOfDesign(kept=found is not None, parts=parts, trouble="")
 
 
 @router.post("/take", responses=WRITES)
@@ -149,23 +170,23 @@ def get_drawing(
     return drawing(service.prepared(), path, width, unit, whole=whole)
 
 
-def apply(document: Any, operation: Operation) -> None:
-    """Make one edit in a document. Raises LocatedError."""
+def apply(document: Any, operation: Operation, lived: Lived = NOTHING) -> None:
+    """Make one edit in a document; what has ``lived`` keeps its identity. Raises LocatedError."""
     match operation:
         case Put():
-            editing.put(document, operation.path, operation.value)
+            identity_edits.put(document, operation.path, operation.value, lived)
         case PutText():
-            editing.put(document, operation.path, _read(operation))
+            identity_edits.put(document, operation.path, _read(operation), lived)
         case Delete():
             editing.delete(document, operation.path)
         case Rename():
-            editing.rename(document, operation.path, operation.name)
+            identity_edits.rename(document, operation.path, operation.name, lived)
         case Wire():
             editing.wire(document, operation.path, operation.diagram)
         case Group():
             editing.group(document, operation.path, operation.members, operation.kind, operation.k)
         case Move():
-            editing.move(document, operation.path, operation.to)
+            identity_edits.move(document, operation.path, operation.to, lived)
         case PlaceParts():
             editing.place(document, operation.path, operation.members, operation.beside, before=operation.before)
         case Ungroup():

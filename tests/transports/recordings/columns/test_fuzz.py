@@ -45,6 +45,8 @@ def test_the_sound_recordings_hold_what_was_written(format_: str, tmp_path: Path
     ("bag", 38584, 94580460),  # a signalling NaN in a message that is decoded by itself
     ("db3", 16919, 94580460),
     ("bag", 22876, 18776684),  # a header whose length leads into the first chunk
+    ("bag", 69545, 20261126),  # the info of a chunk that names another topic, which hid the chunk from its own
+    ("mcap", 2856, 20261127),  # an index of no channel behind a chunk, where no summary says of which channels it is
     ("bag", 1394, 22),  # a second header, behind which the reader went back to the first chunk for ever
 ])  # fmt: skip
 def test_what_was_found_once(format_: str, number: int, seed: int) -> None:

@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,9 +35,6 @@ from robophm.transports.recordings.columns.pieces import (
     Messages,
 )
 
-if TYPE_CHECKING:
-    pass
-
 MAGIC = b"#ROSBAG V2.0\n"
 MESSAGE, HEADER, INDEX, CHUNK, CONNECTION = 2, 3, 4, 5, 7
 
@@ -56,6 +53,8 @@ class BagFile(ChunkedFile):
 
     Raises SourceError where it is none, or encrypted.
     """
+
+    ENTRY = _INDEX
 
     def __init__(self, path: Path, notes: Counter[str]) -> None:
         super().__init__(path, notes)
@@ -90,15 +89,24 @@ class BagFile(ChunkedFile):
         self._told |= {offset + by: counts for offset, counts in other._told.items()}
         return [chunk._replace(offset=chunk.offset + by) for chunk in other.chunks]
 
-    def index(self, offset: int, connection: int) -> NDArray[Any]:
-        """Return the index record of this connection, among those that begin at this place."""
-        for record in self._indices(offset):
-            if record.number(b"conn") == connection:
-                entries = self._entries(record)
-                if len(entries) != self._ends.get(offset, {}).get(connection, len(entries)):
+    def entries(self, chunk: Chunk, wanted: Collection[int]) -> dict[int, memoryview]:
+        """Return the index of each of these connections that a chunk has, from the records behind it."""
+        left = {connection for connection in chunk.indices or () if connection in wanted}
+        counted = self._ends.get(chunk.end, {})
+        found: dict[int, memoryview] = {}
+        for record in self._indices(chunk.end) if left else ():
+            connection = record.number(b"conn")
+            if connection in left:
+                found[connection] = entries = self._entries(record)
+                count = len(entries) // _INDEX.itemsize
+                if count != counted.get(connection, count):
                     raise DamageError("not as many as its chunk's info counts")
-                return entries
-        raise DamageError("damage")
+                left.remove(connection)
+                if not left:
+                    break
+        if left:
+            raise DamageError("damage")
+        return found
 
     def indexed_times(self, chunk: Chunk) -> dict[int, Ints]:
         """Return when the messages of a chunk were received, as its index says."""
@@ -106,19 +114,18 @@ class BagFile(ChunkedFile):
             raise DamageError("no index")
         times = {}
         for record in self._indices(chunk.end):
-            entries = self._entries(record)
-            times[record.number(b"conn")] = entries["sec"].astype(np.int64) * SECOND + entries["nsec"]
+            times[record.number(b"conn")] = _times(np.frombuffer(self._entries(record), _INDEX))
         counted = self._ends.get(chunk.end, {})
         alike = all(len(heard) == counted.get(id_, len(heard)) for id_, heard in times.items())
         if not alike or times.keys() != chunk.indices.keys():
             raise DamageError("not what its chunk's info counts")
         return times
 
-    def _entries(self, record: Record) -> NDArray[Any]:
+    def _entries(self, record: Record) -> memoryview:
         """The entries of an index record."""
-        if record.number(b"ver") != 1 or record.number(b"count") * 12 != record.end - record.start:
+        if record.number(b"ver") != 1 or record.number(b"count") * _INDEX.itemsize != record.end - record.start:
             raise DamageError("damage")
-        return np.frombuffer(self.view(record.start, record.end), _INDEX)
+        return self.view(record.start, record.end)
 
     def located(
         self, content: Bytes, connection: int, index: NDArray[Any], begins: Ints | int, limits: Ints | int
@@ -129,7 +136,7 @@ class BagFile(ChunkedFile):
             return Messages(connection, content, starts, starts, starts)
         if not distinct(starts, len(content) // SHORTEST_MESSAGE):
             raise DamageError("an offset that is there twice")
-        times = index["sec"].astype(np.int64) * SECOND + index["nsec"]
+        times = _times(index)
         first = record_at(content, int(starts[0]), len(content))
         size = first.start - 4 - int(starts[0])  # of the length of the header and the header
         if int((limits - starts).min()) < size + 4:
@@ -336,9 +343,8 @@ class BagFile(ChunkedFile):
         connections = set()
         try:
             for record in self._indices(chunk.end):
-                index = self._entries(record)
-                seconds = index["sec"].astype(np.int64) * SECOND + index["nsec"]
-                times += [int(seconds.min()), int(seconds.max())] if len(index) else []
+                heard = _times(np.frombuffer(self._entries(record), _INDEX))
+                times += [int(heard.min()), int(heard.max())] if len(heard) else []
                 connections.add(record.number(b"conn"))
         except DamageError:
             connections.clear()
@@ -366,3 +372,9 @@ class BagFile(ChunkedFile):
             return
         rest = Chunk(0, MOST_TIME, position, record.start, end, compression, size, 0, None, cut=True)
         self.chunks.append(self._timed(rest)._replace(indices=None))
+
+
+def _times(index: NDArray[Any]) -> Ints:
+    """When the messages of an index were received [ns]."""
+    times: Ints = index["sec"].astype(np.int64) * SECOND + index["nsec"]
+    return times

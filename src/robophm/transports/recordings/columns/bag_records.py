@@ -52,15 +52,14 @@ class Record(NamedTuple):
 
 def record_at(content: Bytes, position: int, size: int) -> Record:
     """The record at this place of a content of this size; raises DamageError."""
-    head = content[position : position + 4].tobytes()
-    behind = position + 4 + int.from_bytes(head, "little")
-    length = content[behind : behind + 4].tobytes()
-    if len(head) < 4 or len(length) < 4 or behind - position > LONGEST_HEADER:
+    view, last = content.data, len(content) - 4
+    behind = position + 4 + (_LENGTH(view, position)[0] if position <= last else 0)
+    if behind > last or behind - position > LONGEST_HEADER:
         raise DamageError(f"no record at byte {position}")
-    end = behind + 4 + int.from_bytes(length, "little")
+    end = behind + 4 + _LENGTH(view, behind)[0]
     if end > size:
         raise DamageError(f"a record beyond the end at byte {position}")
-    fields = fields_of_header(content[position + 4 : behind].tobytes())
+    fields = fields_of_header(bytes(view[position + 4 : behind]))
     operation = fields.get(b"op", b"")
     if len(operation) != 1:
         raise DamageError(f"a record without operation at byte {position}")

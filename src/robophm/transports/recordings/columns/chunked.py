@@ -59,9 +59,9 @@ class _Asked(NamedTuple):
 class ChunkedFile(MappedFile):
     """A file of chunks, each with an index of the messages in it; a subclass knows the records."""
 
+    ENTRY: np.dtype[Any]
+    """The layout of an entry of an index."""
     chunks: list[Chunk]
-    joins = False
-    """Whether the file's own index is believed, and there is nothing in it besides chunks."""
     of_many = False
     """Whether it stands for several files."""
 
@@ -178,13 +178,18 @@ class ChunkedFile(MappedFile):
         chunks = self._within(frozenset(), frozenset(self._known()), -MOST_TIME, MOST_TIME)
         for chunk in chunks:
             self._fetch_index(chunk)
+        wrong: dict[int, Chunk] = {}
         for chunk in chunks:
             try:
                 tell_all(told, self.indexed_times(chunk), chunk.first, chunk.last)
             except DamageError:
+                wrong[chunk.offset] = chunk._replace(indices=None)
                 with suppress(DamageError):
                     for messages in self.scanned(chunk, self.unpacked(chunk), self._known()):
                         tell(told, messages.connection, messages.times)
+        if any(one.offset in wrong and one.indices is not None for one in self.chunks):
+            self.joins = False  # of whom such a chunk holds messages, no index says
+            self.chunks = [wrong.get(one.offset, one) for one in self.chunks]
         return told
 
     def _known(self) -> set[int]:
@@ -215,7 +220,7 @@ class ChunkedFile(MappedFile):
         """
         if chunk.cut or not chunk.indices or self.counted(chunk, wanted) * PAGE * SPARSE > chunk.size:
             return None
-        here = [self.index(at, id_)["offset"] for id_, at in chunk.indices.items() if id_ in wanted]
+        here = [np.frombuffer(one, self.ENTRY)["offset"] for one in self.entries(chunk, wanted).values()]
         last = max((int(offsets.max()) for offsets in here if len(offsets)), default=0)
         if last * SPARSE > chunk.size or chunk.size > LARGEST_CHUNK:
             return None
@@ -264,21 +269,20 @@ class ChunkedFile(MappedFile):
 
     def _at_once(self, buffer: Bytes, places: Sequence[Place], wanted: frozenset[int]) -> list[Messages]:
         """The messages of all chunks by their indices; none where one of those is not sound."""
-        parts: dict[int, list[tuple[NDArray[Any], int, int]]] = {}
+        parts: dict[int, list[tuple[memoryview, int, int]]] = {}
         try:
             for chunk, begin, end in places:
                 if chunk.indices is None:
                     return []
-                for connection in wanted.intersection(chunk.indices):
-                    index = self.index(chunk.indices[connection], connection)
-                    parts.setdefault(connection, []).append((index, begin, end))
+                for connection, entries in self.entries(chunk, wanted).items():
+                    parts.setdefault(connection, []).append((entries, begin, end))
             found = []
             for connection, some in parts.items():
                 indices, begins, ends = zip(*some, strict=True)
-                lengths = [len(index) for index in indices]
-                together = np.concatenate(indices) if len(indices) > 1 else indices[0]
+                lengths = [len(index) // self.ENTRY.itemsize for index in indices]
+                index = np.frombuffer(b"".join(indices) if len(indices) > 1 else indices[0], self.ENTRY)
                 limits = np.repeat(ends, lengths)
-                found.append(self.located(buffer, connection, together, np.repeat(begins, lengths), limits))
+                found.append(self.located(buffer, connection, index, np.repeat(begins, lengths), limits))
         except DamageError:
             return []
         return found
@@ -369,9 +373,8 @@ class ChunkedFile(MappedFile):
         if chunk.indices is not None:
             try:
                 return [
-                    self.located(content, connection, self.index(offset, connection), 0, len(content))
-                    for connection, offset in chunk.indices.items()
-                    if connection in wanted
+                    self.located(content, connection, np.frombuffer(index, self.ENTRY), 0, len(content))
+                    for connection, index in self.entries(chunk, wanted).items()
                 ]
             except UnknownError:
                 pass
@@ -380,8 +383,8 @@ class ChunkedFile(MappedFile):
         return self.scanned(chunk, content, wanted)
 
     @abstractmethod
-    def index(self, offset: int, connection: int) -> NDArray[Any]:
-        """The index of a connection's messages in a chunk, from its place in the file; raises DamageError."""
+    def entries(self, chunk: Chunk, wanted: Collection[int]) -> dict[int, memoryview]:
+        """The index of each of these connections that a chunk has, entry by entry; raises DamageError."""
 
     @abstractmethod
     def located(

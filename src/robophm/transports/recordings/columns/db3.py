@@ -18,7 +18,7 @@ import numpy as np
 
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.field_extraction import Ints
-from robophm.transports.recordings.columns.mapped import MappedFile
+from robophm.transports.recordings.columns.mapped import SMALL, MappedFile
 from robophm.transports.recordings.columns.pieces import (
     BATCH,
     MOST_TIME,
@@ -26,7 +26,7 @@ from robophm.transports.recordings.columns.pieces import (
     Messages,
     Piece,
     TopicExtent,
-    tell,
+    tell_all,
 )
 from robophm.transports.recordings.columns.rows import Row, RowsFile
 from robophm.transports.recordings.columns.table import COLUMNS, Flags, Pages, Rows, find_rows
@@ -62,9 +62,12 @@ class Db3File(MappedFile, RowsFile):
                 except sqlite3.Error as error:
                     damage = "no database, or the first page, which says where its tables are, is damaged"
                     raise SourceError(f"{path}: cannot be read: {error}: {damage}") from error
-                self.connections = self._connections(database)
+                self.connections = _alike(self._connections(database))
                 if not self.connections and database.execute("SELECT 1 FROM messages LIMIT 1").fetchone():
                     notes[f"{path.name}: all messages lost: its table of topics names none"] += 1
+                if self.size <= SMALL:  # while it is open
+                    self._found = self._find(database)
+                    self.joins = bool(self._found and not self._found[1])
         except (sqlite3.Error, UnicodeDecodeError) as error:
             raise SourceError(f"{path}: cannot be read: {error}") from error
         except MemoryError:  # what SQLite says of some damage, with next to no memory taken
@@ -76,7 +79,7 @@ class Db3File(MappedFile, RowsFile):
 
         What is read may be no table but a view that never ends, and a page may be there a million times.
         """
-        with closing(sqlite3.connect(f"{self.source.resolve().as_uri()}?immutable=1", uri=True)) as database:
+        with closing(sqlite3.connect(f"{self.source.absolute().as_uri()}?immutable=1", uri=True)) as database:
             database.execute("PRAGMA writable_schema = ON")  # else a file that was cut is refused, not read
             database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, min(LARGEST_ROW, max(self.size, 1 << 16)))
             left = LEAST_STEPS + STEPS_A_BYTE * self.size
@@ -112,8 +115,7 @@ class Db3File(MappedFile, RowsFile):
             return super().extents()
         rows = self._found[0]
         told: dict[int, TopicExtent] = {}
-        for topic in np.unique(rows.topics).tolist():
-            tell(told, topic, rows.times[rows.topics == topic])
+        tell_all(told, {topic: rows.times[rows.topics == topic] for topic in np.unique(rows.topics).tolist()})
         return told
 
     def pieces(self, wanted: Collection[int], start: int, end: int, timed: Collection[int] = ()) -> Iterator[Piece]:
@@ -173,14 +175,21 @@ class Db3File(MappedFile, RowsFile):
     def _found(self) -> tuple[Rows, Counter[str]] | None:
         """The rows of the table of messages, and what is lost of them; None where SQLite has to be asked."""
         try:
-            root = self._root()
+            with self._opened() as database:
+                return self._find(database)
+        except sqlite3.Error:
+            return None
+
+    def _find(self, database: sqlite3.Connection) -> tuple[Rows, Counter[str]] | None:
+        try:
+            root = self._root(database)
             pages = Pages(self.content, self.ahead)
         except DamageError:
             return None
         lost: Counter[str] = Counter()
         indexed = None
         try:
-            indexed = self._indexed()
+            indexed = self._indexed(database)
         except DamageError:
             lost[f"{self.path.name}: its index is damaged and was not asked"] += 1
         table = find_rows(pages, root, indexed)
@@ -196,27 +205,25 @@ class Db3File(MappedFile, RowsFile):
             lost[f"{self.path.name}: its index is damaged and was not asked: {named}"] += 1
         return table.rows, lost
 
-    def _indexed(self) -> int | None:
+    def _indexed(self, database: sqlite3.Connection) -> int | None:
         """The number of messages in the table's index, None where there is none; raises DamageError."""
         try:
             query = "SELECT name FROM sqlite_master WHERE type = 'index' AND tbl_name = 'messages' AND sql NOT NULL"
-            with self._opened() as database:
-                for (name,) in database.execute(query).fetchall():
-                    quoted = str(name).replace('"', '""')
-                    (count,) = database.execute(f'SELECT count(*) FROM messages INDEXED BY "{quoted}"').fetchone()
-                    return int(count)
+            for (name,) in database.execute(query).fetchall():
+                quoted = str(name).replace('"', '""')
+                (count,) = database.execute(f'SELECT count(*) FROM messages INDEXED BY "{quoted}"').fetchone()
+                return int(count)
         except (sqlite3.Error, UnicodeDecodeError, MemoryError) as error:
             raise DamageError(str(error)) from error
         return None
 
-    def _root(self) -> int:
+    def _root(self, database: sqlite3.Connection) -> int:
         """The page where the table of messages begins; raises DamageError where it is not as rosbag2 makes it."""
         try:
-            with self._opened() as database:
-                columns = [name for _, name, *_ in database.execute("PRAGMA table_info(messages)")]
-                query = "SELECT rootpage FROM sqlite_master WHERE type = 'table' AND name = 'messages'"
-                found = database.execute(query).fetchall()
-        except (sqlite3.Error, ValueError) as error:
+            columns = [name for _, name, *_ in database.execute("PRAGMA table_info(messages)")]
+            query = "SELECT rootpage FROM sqlite_master WHERE type = 'table' AND name = 'messages'"
+            found = database.execute(query).fetchall()
+        except (sqlite3.Error, ValueError, MemoryError) as error:
             raise DamageError(str(error)) from error
         if tuple(columns) != COLUMNS or len(found) != 1 or not isinstance(found[0][0], int):
             raise DamageError("a table of other columns")
@@ -257,3 +264,16 @@ class Db3File(MappedFile, RowsFile):
             for id_, topic, type_, kind in topics
             if isinstance(id_, int) and isinstance(topic, str) and isinstance(type_, str)
         ]
+
+
+def _alike(connections: list[Connection]) -> list[Connection]:
+    """The very connections of the file before, where these are the same."""
+    global _known_last
+    last = _known_last
+    if connections != last:
+        last = _known_last = connections
+    return last
+
+
+_known_last: list[Connection] = []
+"""The connections of the file before."""

@@ -13,6 +13,7 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import suppress
 from functools import partial
+from itertools import accumulate, pairwise
 from operator import attrgetter
 from pathlib import Path
 from typing import Any, Self
@@ -34,7 +35,6 @@ from robophm.transports.recordings.columns.mcap_definitions import (
     connections_of,
     define,
     definitions_of,
-    run_of_definitions,
 )
 from robophm.transports.recordings.columns.mcap_messages import FOUND, HEAD, by_channel, table_of
 from robophm.transports.recordings.columns.pieces import (
@@ -65,6 +65,8 @@ class _NotInSummaryError(DamageError):
 
 class McapFile(ChunkedFile):
     """An MCAP file of any profile, whole or cut. Raises SourceError where it is none."""
+
+    ENTRY = _INDEX
 
     def __init__(self, path: Path, notes: Counter[str]) -> None:
         super().__init__(path, notes)
@@ -117,7 +119,8 @@ class McapFile(ChunkedFile):
 
     def begin(self) -> int:
         """Return when the first message was received [ns]."""
-        return min(super().begin(), int(self._loose["time"].min(initial=MOST_TIME)))
+        begin = super().begin()
+        return min(begin, int(self._loose["time"].min())) if self._loose.size else begin
 
     def pieces(self, wanted: Collection[int], start: int, end: int, timed: Collection[int] = ()) -> Iterator[Piece]:
         """Chunks, and what was found outside them, in order of time."""
@@ -150,22 +153,32 @@ class McapFile(ChunkedFile):
             for chunk in other.chunks
         ]
 
-    def index(self, offset: int, connection: int) -> NDArray[Any]:
-        """Return the message index record at this place."""
-        if not 0 <= offset <= self.size - 15:
-            raise DamageError("damage")
-        opcode, length, channel, size = _INDEX_HEAD(self.content.data, offset)
-        if opcode != MESSAGE_INDEX or channel != connection or size + 6 > length or size % 16:
-            raise DamageError("damage")
-        if size + 6 < length:  # a record may go on with what this version does not know
-            raise UnknownError("a record longer than is known")
-        return np.frombuffer(self.view(offset + 15, offset + 15 + size), _INDEX)
+    def entries(self, chunk: Chunk, wanted: Collection[int]) -> dict[int, memoryview]:
+        """Return the index of each of these connections that a chunk has, entry by entry."""
+        content, found = self.content.data, {}
+        for connection, offset in (chunk.indices or {}).items():
+            if connection not in wanted:
+                continue
+            if not 0 <= offset <= len(content) - 15:
+                raise DamageError("damage")
+            opcode, length, channel, size = _INDEX_HEAD(content, offset)
+            if opcode != MESSAGE_INDEX or channel != connection or size + 6 > length or size % 16:
+                raise DamageError("damage")
+            if size + 6 < length:  # a record may go on with what this version does not know
+                raise UnknownError("a record longer than is known")
+            found[connection] = entries = content[offset + 15 : offset + 15 + size]
+            if len(entries) < size:
+                raise DamageError("an index beyond the end")
+        return found
 
     def indexed_times(self, chunk: Chunk) -> dict[int, Ints]:
         """Return when the messages of a chunk were received, as its index says."""
         if chunk.indices is None:
             raise DamageError("no index")
-        return {id_: self.index(at, id_)["time"].astype(np.int64) for id_, at in chunk.indices.items()}
+        found = self.entries(chunk, chunk.indices)
+        times = np.frombuffer(b"".join(found.values()), _INDEX)["time"].astype(np.int64)
+        places = [0, *accumulate(len(entries) // _INDEX.itemsize for entries in found.values())]
+        return {id_: times[begin:end] for id_, (begin, end) in zip(found, pairwise(places), strict=True)}
 
     def counted(self, chunk: Chunk, wanted: Collection[int]) -> int:
         """How many messages of these connections are in a chunk: the records of its index lie side by side."""
@@ -175,7 +188,7 @@ class McapFile(ChunkedFile):
 
     def placed(self, chunks: list[Chunk], wanted: frozenset[int]) -> list[Chunk]:
         """The chunks with their checksums, where their messages are wanted."""
-        some = [number for number, chunk in enumerate(chunks) if chunk.indices and not wanted.isdisjoint(chunk.indices)]
+        some = [number for number, one in enumerate(chunks) if not (one.indices and wanted.isdisjoint(one.indices))]
         if not self._from_index or not some:
             return chunks
         for number in some:
@@ -192,7 +205,7 @@ class McapFile(ChunkedFile):
     def extents(self) -> dict[int, TopicExtent]:
         """Return how many messages each connection has, in chunks and outside them, and when they were received."""
         told = super().extents()
-        for id_ in np.unique(self._loose["channel"]).tolist():
+        for id_ in np.unique(self._loose["channel"]).tolist() if self._loose.size else ():
             tell(told, id_, self._loose["time"][self._loose["channel"] == id_].astype(np.int64))
         return told
 
@@ -265,12 +278,17 @@ class McapFile(ChunkedFile):
                 except DamageError:
                     self.lost("a damaged chunk", position)
             elif whole_file and opcode == MESSAGE_INDEX and self.chunks and length >= 2:
-                (channel,) = struct.unpack_from("<H", view, position + 9)
-                self.chunks[-1].indices[channel] = position  # type: ignore[index]
+                self._index_behind(int(struct.unpack_from("<H", view, position + 9)[0]), position)
             elif whole_file and opcode == FOOTER and end == size - len(MAGIC):  # elsewhere it is a damaged record
                 return table_of(found), size
             position = beyond
         return table_of(found), position
+
+    def _index_behind(self, channel: int, position: int) -> None:
+        """Keep where an index of the newest chunk lies; of two of one channel, one is of another that it hides."""
+        chunk = self.chunks[-1]
+        if chunk.indices is not None and chunk.indices.setdefault(channel, position) != position:
+            self.chunks[-1] = chunk._replace(indices=None)
 
     def _define(self, opcode: int, content: memoryview) -> None:
         """Keep a schema or a channel; what was said first holds."""
@@ -281,14 +299,13 @@ class McapFile(ChunkedFile):
 
     def _read_definitions(self, records: memoryview) -> int:
         """Keep the schemas and channels that a summary begins with; return where they end."""
-        run = run_of_definitions(records)
         try:
-            shared = definitions_of(bytes(run))
+            shared = definitions_of(records)
         except DamageError:  # each by itself then
             return 0
         self._schemas, self._channels = dict(shared.schemas), dict(shared.channels)
         self._shared = shared
-        return len(run)
+        return len(shared.run)
 
     def chunk_at(self, offset: int) -> Chunk:
         """Return the chunk record at this place; raises DamageError."""
@@ -336,6 +353,8 @@ class McapFile(ChunkedFile):
             raise _NotInSummaryError("no schemas in the summary")
         if not self._channels or not (self.chunks or (self.counts and not counted)):
             raise _NotInSummaryError("no channels or chunks in the summary")
+        if not self._checked and any(one.indices and one.indices.keys() - self._channels for one in self.chunks):
+            raise DamageError("an index of no channel")
 
     def _indexed_chunk(self, content: memoryview) -> Chunk:
         """The chunk that a chunk index record speaks of; its own record is asked where no checksum vouches for that."""
@@ -385,6 +404,9 @@ class McapFile(ChunkedFile):
                     self._scan(self.unpacked(chunk), 0)
         for opcode, start, end in self._repeated:  # what the summary says, where there was no better word
             self._define(opcode, self.content.data[start:end])
+        for number, chunk in enumerate(self.chunks):  # an index of no channel is one of another that it hides
+            if chunk.indices and chunk.indices.keys() - self._channels:
+                self.chunks[number] = chunk._replace(indices=None)
         sound = {topic for schema, topic, _ in self._channels.values() if schema in self._schemas}
         for id_, (schema, topic, _) in [*self._channels.items()]:
             if topic in sound and schema not in self._schemas:

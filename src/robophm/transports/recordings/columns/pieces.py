@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -63,16 +64,22 @@ class PiecedFile(ABC):
 
     path: Path
     connections: list[Connection]
+    joins = False
+    """Whether it may be read with others: nothing is known to be wrong with it."""
 
     def __init__(self, path: Path, notes: Counter[str]) -> None:
         self.path = path
         self.notes = notes
         self.late: Counter[str] = Counter()
         """Notes on the file as a whole that were made after it was opened."""
-        self.fingerprint = fingerprint_of(path)
         self.counts: dict[int, int] = {}
         """How many messages of each connection it says that it holds, where it says that."""
         self._extents: dict[int, TopicExtent] | None = None
+
+    @cached_property
+    def fingerprint(self) -> str:
+        """Return what the file is known by, whatever it is called."""
+        return fingerprint_of(self.path)
 
     @property
     def weight(self) -> int:
@@ -164,6 +171,24 @@ def tell_all(
             leaps = np.flatnonzero(np.diff(ordered) > CLOCK_JUMP)
             more = [*zip(ordered[[0, *(leaps + 1)]].tolist(), ordered[[*leaps, -1]].tolist(), strict=True)]
         told[connection] = (count + len(times), tuple(stretches([*spans, *more], CLOCK_JUMP)))
+
+
+def together(parts: Iterable[Messages]) -> list[Messages]:
+    """Messages of many buffers in one, those of each connection as one."""
+    buffers: list[Bytes] = []
+    places: dict[int, int] = {}
+    end = 0
+    found: dict[int, list[Messages]] = {}
+    for part in parts:
+        if id(part.buffer) not in places:
+            places[id(part.buffer)] = end
+            buffers.append(part.buffer)
+            end += len(part.buffer)
+        begin = places[id(part.buffer)]
+        moved = part._replace(starts=part.starts + begin, ends=part.ends + begin)
+        found.setdefault(part.connection, []).append(moved)
+    buffer = np.concatenate(buffers) if len(buffers) > 1 else (buffers or [np.empty(0, np.uint8)])[0]
+    return [joined([part._replace(buffer=buffer) for part in some]) for some in found.values()]
 
 
 def joined(parts: list[Messages]) -> Messages:

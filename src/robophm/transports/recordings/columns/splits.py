@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
+from contextlib import suppress
 from copy import copy
 from functools import partial
 from itertools import groupby
@@ -13,7 +14,8 @@ import numpy as np
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.chunked import ChunkedFile
 from robophm.transports.recordings.columns.field_extraction import Bytes
-from robophm.transports.recordings.columns.pieces import BATCH, DamageError, Messages, Piece, PiecedFile
+from robophm.transports.recordings.columns.mapped import MappedFile
+from robophm.transports.recordings.columns.pieces import BATCH, DamageError, Messages, Piece, PiecedFile, together
 from robophm.transports.recordings.files import reading
 
 SMALL = 1 << 20
@@ -26,7 +28,7 @@ def splits_joined(files: Sequence[PiecedFile]) -> list[PiecedFile]:
     for number, group in groupby(enumerate(files), _alike):
         some = [file for _, file in group]
         if number >= 0 and len(some) > 1:
-            found.append(Splits([file for file in some if isinstance(file, ChunkedFile)]))
+            found.append(Splits([file for file in some if isinstance(file, MappedFile)]))
         else:
             found += some
     return found
@@ -34,18 +36,18 @@ def splits_joined(files: Sequence[PiecedFile]) -> list[PiecedFile]:
 
 def _alike(place: tuple[int, PiecedFile]) -> int:
     number, file = place
-    small = isinstance(file, ChunkedFile) and file.joins and _size(file) <= SMALL
+    small = isinstance(file, MappedFile) and file.joins and _size(file) <= SMALL
     return id(file.connections) if small else -1 - number
 
 
-def _size(file: ChunkedFile) -> int:
-    return max(file.size, sum(chunk.size for chunk in file.chunks))
+def _size(file: MappedFile) -> int:
+    return max(file.size, sum(chunk.size for chunk in file.chunks)) if isinstance(file, ChunkedFile) else file.size
 
 
 class Splits(PiecedFile):
     """Several files as one. Where anything is wrong with one of some that were read at once, each is read alone."""
 
-    def __init__(self, files: Sequence[ChunkedFile]) -> None:
+    def __init__(self, files: Sequence[MappedFile]) -> None:
         self.path = files[0].path
         self.notes = files[0].notes
         self.late: Counter[str] = Counter()
@@ -64,10 +66,10 @@ class Splits(PiecedFile):
 
     def pieces(self, wanted: Collection[int], start: int, end: int, timed: Collection[int] = ()) -> Iterator[Piece]:
         """The files in order of time, as many at once as make a batch."""
-        batch: list[ChunkedFile] = []
+        batch: list[MappedFile] = []
         size = 0
         for file in self._files:
-            if all(chunk.last < start or chunk.first >= end for chunk in file.chunks):
+            if isinstance(file, ChunkedFile) and all(one.last < start or one.first >= end for one in file.chunks):
                 continue
             if batch and size + _size(file) > BATCH:
                 yield Piece(batch[0].begin(), partial(self._load, batch, wanted, start, end, timed))
@@ -78,15 +80,16 @@ class Splits(PiecedFile):
             yield Piece(batch[0].begin(), partial(self._load, batch, wanted, start, end, timed))
 
     def _load(
-        self, batch: Sequence[ChunkedFile], wanted: Collection[int], start: int, end: int, timed: Collection[int]
+        self, batch: Sequence[MappedFile], wanted: Collection[int], start: int, end: int, timed: Collection[int]
     ) -> list[Messages]:
-        try:
-            return _at_once(batch, wanted, start, end, timed)
-        except (DamageError, OSError, SourceError):
-            return [messages for file in batch for messages in self._alone(file, wanted, start, end, timed)]
+        chunked = [file for file in batch if isinstance(file, ChunkedFile)]
+        if len(chunked) == len(batch):
+            with suppress(DamageError, OSError, SourceError):
+                return _at_once(chunked, wanted, start, end, timed)
+        return together(messages for file in batch for messages in self._alone(file, wanted, start, end, timed))
 
     def _alone(
-        self, file: ChunkedFile, wanted: Collection[int], start: int, end: int, timed: Collection[int]
+        self, file: MappedFile, wanted: Collection[int], start: int, end: int, timed: Collection[int]
     ) -> Iterator[Messages]:
         found: Counter[int] = Counter()
         file.notes = self.notes
@@ -95,7 +98,7 @@ class Splits(PiecedFile):
                 for messages in piece.load():
                     found[messages.connection] += len(messages.times)
                     yield messages
-        if all(chunk.first >= start and chunk.last < end for chunk in file.chunks):
+        if isinstance(file, ChunkedFile) and all(chunk.first >= start and chunk.last < end for chunk in file.chunks):
             file.note_missing(found, {*wanted, *timed})
 
 

@@ -8,24 +8,18 @@ be wrong.
 from __future__ import annotations
 
 import io
-from collections import Counter
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import redirect_stdout
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robophm.core.errors import SourceError, nearest
-from robophm.core.signal import Sample, any_element, split_signal
-from robophm.transports.recordings.files import EmptyError, fingerprint_of, reading
+from robophm.core.errors import SourceError
 from robophm.transports.recordings.format import SampleFormat
-from robophm.transports.recordings.samples_in_order import samples_in_order
-from robophm.transports.signals.source import SignalColumns, SignalSource, TopicInfo
-
-LARGEST = 1 << 30
-"""Bytes of a log that is read; pyulog has about as much of it in memory as is asked for, at most all."""
+from robophm.transports.recordings.logged import DAMAGED, LoggedRecording, LoggedTopic, utc_offset
 
 _LARGEST_MESSAGE = (1 << 16) - 1
 """Bytes; a format that makes larger ones is none, and would take all memory."""
@@ -41,82 +35,18 @@ _FIX = 2
 NO_UTC = "no GPS told UTC: times count from the start of the autopilot as if that were 1970"
 
 
-class UlogRecording(SignalSource):
+class UlogRecording(LoggedRecording):
     """A ULog file: each message of a topic is a sample of each of its numeric fields.
 
     Raises SourceError where it is none, larger than 1 GiB, or pyulog is missing; EmptyError where it has no message.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        self.notes = Counter()
-        with reading(path):
-            if path.stat().st_size > LARGEST:
-                raise SourceError(f"{path}: is larger than {LARGEST >> 20} MiB; expected a shorter log")
-            self.fingerprint = fingerprint_of(path)
-        self._infos = [
-            TopicInfo(
-                topic,
-                "",
-                len(times),
-                int(times.min()),
-                int(times.max()),
-                tuple(dict.fromkeys(map(any_element, values))),
-            )
-            for topic, (times, values) in sorted(self._read(None).items())
-        ]
-        self.notes.clear()
-        if not self._infos:
-            raise EmptyError(f"{path}: holds no messages")
-
-    def topics(self) -> list[TopicInfo]:
-        """The topics of the log."""
-        return list(self._infos)
-
-    def spans(self) -> list[tuple[int, int]]:
-        """When the first and the last message was logged [ns]."""
-        times = [time for info in self._infos for time in (info.first, info.last) if time is not None]
-        return [(min(times), max(times))]
-
-    def samples(self, signals: Collection[str]) -> Iterator[Sample]:
-        """The samples of these signals in order of time. Raises SourceError as the interface says."""
-        return samples_in_order(self._columns(signals, 0))
-
-    def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, SignalColumns]]:
-        """The samples of these signals, all at once."""
-        return iter([self._columns(signals, since)])
-
-    def _columns(self, signals: Collection[str], since: int) -> dict[str, SignalColumns]:
-        wanted = sorted(set(signals))
-        known = {info.topic: info.fields for info in self._infos}
-        for topic, field in map(split_signal, wanted):
-            if topic not in known:
-                raise SourceError(f"{self.path}: no topic '{topic}'{nearest(topic, known)}")
-            if any_element(field) not in known[topic]:
-                raise SourceError(f"{self.path}: topic '{topic}' has no number '{field}'{nearest(field, known[topic])}")
-        self.notes.clear()
-        logged = self._read({split_signal(signal)[0] for signal in wanted})
-        found = {}
-        for signal in wanted:
-            topic, field = split_signal(signal)
-            times, values = logged[topic]
-            if field not in values:
-                raise SourceError(f"{self.path}: topic '{topic}' has no element '{field}'{nearest(field, values)}")
-            order = np.argsort(times, kind="stable")
-            order = order[times[order] >= since]
-            found[signal] = SignalColumns(times[order], times[order], values[field][order].astype(float))
-        return found
-
-    def _read(self, topics: Collection[str] | None) -> dict[str, tuple[NDArray[np.int64], dict[str, Any]]]:
-        """By topic the times of its messages [ns] and its numeric fields; of these ``topics``, or of all."""
-        with (
-            reading(self.path),
-            redirect_stdout(io.StringIO()),
-        ):  # where pyulog says of damage what is asked of it below
+    def _read(self, topics: Collection[str] | None) -> dict[str, LoggedTopic]:
+        with redirect_stdout(io.StringIO()):  # where pyulog says of damage what is asked of it below
             log = _parsed(self.path, topics)
         offset = _utc_offset(log.data_list)
         self.notes.update({NO_UTC: 1} if offset is None else {})
-        self.notes.update({"damaged, and read as far as it is whole": 1} if log.file_corruption else {})
+        self.notes.update({DAMAGED: 1} if log.file_corruption else {})
         self.notes.update({"messages lost while the autopilot logged": len(log.dropouts)} if log.dropouts else {})
         parts: dict[str, list[Any]] = {}
         for data in log.data_list:
@@ -128,10 +58,14 @@ class UlogRecording(SignalSource):
             sound = (stamps > 0) & (stamps < _MOST_TIME)  # of what was never published there is a message at 0
             self.notes.update({f"message without a time on {topic}": int((~sound).sum())} if not sound.all() else {})
             names = [one.field_name for one in each[0].field_data if one.type_str != "char"]
-            values = {name: np.concatenate([data.data[name] for data in each])[sound] for name in names}
-            if sound.any():
-                found[topic] = (stamps[sound].astype(np.int64) + (offset or 0)) * _MICROSECOND, values
+            fields = {name: partial(_joined, [data.data[name] for data in each], sound) for name in names}
+            times = (stamps[sound].astype(np.int64) + (offset or 0)) * _MICROSECOND
+            found[topic] = LoggedTopic(times, fields)
         return found
+
+
+def _joined(parts: Sequence[NDArray[Any]], sound: NDArray[np.bool_]) -> NDArray[Any]:
+    return np.concatenate(parts)[sound]
 
 
 def _topic(name: str, instance: int) -> str:
@@ -188,8 +122,8 @@ def _utc_offset(logged: list[Any]) -> int | None:
                 & (stamps < _MOST_TIME)
                 & (data["fix_type"] >= _FIX if "fix_type" in data else True)
             )
-            if known.any():
-                return int(np.sort((utc - stamps)[known])[known.sum() // 2])
+            if (offset := utc_offset(utc[known], stamps[known])) is not None:
+                return offset
     return None
 
 

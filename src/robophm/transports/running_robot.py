@@ -1,4 +1,4 @@
-"""The choice of the live transport, by the ROS that runs here."""
+"""The choice of the live transport: as it is asked for, or by the ROS that runs here."""
 
 from __future__ import annotations
 
@@ -6,16 +6,19 @@ import importlib.util
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from functools import partial
+from typing import Any, Literal
 
 from robophm.core.errors import SourceError, nearest
 from robophm.transports.signals.source import LiveSource
 
-Choice = Literal["auto", "1", "2"]
-"""The choice that a user states."""
+CHOICES = ("auto", "ros1", "ros2", "dds", "rclpy")
+"""The choices that a user can state; or the address of an MQTT broker."""
 
 ROS1_DISTRIBUTIONS = ("noetic", "melodic", "kinetic")
 """Values of ROS_DISTRO that are ROS 1's."""
+
+AS_ASKED = "as asked"
 
 
 @dataclass(frozen=True)
@@ -23,9 +26,10 @@ class Live:
     """A live transport that has been opened, and how it was chosen."""
 
     source: LiveSource
-    generation: Literal[1, 2]
+    system: str
+    """The system that is listened to: ``ROS 1``, ``ROS 2`` or ``MQTT``."""
     transport: str
-    """Name of the transport: ``ros1``, ``ros2_dds`` or ``ros2_rclpy``."""
+    """Name of the transport: ``ros1``, ``ros2_dds``, ``ros2_rclpy`` or ``mqtt``."""
     reason: str
     """Reason for this one, as the end of a sentence."""
     node: Callable[[str], Any]
@@ -34,43 +38,69 @@ class Live:
     """Function that makes a publisher of a node, topic, type and definition."""
 
     @property
+    def generation(self) -> Literal[1, 2]:
+        """Return the generation of ROS whose types of messages are published."""
+        return 1 if self.system == "ROS 1" else 2
+
+    @property
     def said(self) -> str:
         """Return one line for people: which transport was chosen and why."""
-        return f"listening to ROS {self.generation} ({self.transport}): {self.reason}"
+        return f"listening to {self.system} ({self.transport}): {self.reason}"
 
 
 def open_live(choice: str = "auto", *, period: float = 0.5) -> Live:
-    """Open the live source of the ROS that runs here, or is chosen; its clock comes at multiples of ``period`` [s].
+    """Open the live source that is chosen, or that of the ROS that runs here.
 
+    ``choice`` is one of CHOICES or the address of an MQTT broker; the clock comes at multiples of ``period`` [s].
     Raises SourceError where it cannot be spoken, or there is none.
     """
-    if choice not in get_args(Choice):
-        known = get_args(Choice)
-        raise SourceError(f"there is no ROS '{choice}'; expected {', '.join(known)}{nearest(choice, known)}")
-    generation, reason = (int(choice), "as asked") if choice != "auto" else generation_here()
+    if "://" in choice:
+        return _mqtt(choice, period)
+    if choice not in CHOICES:
+        raise SourceError(
+            f"nothing is heard by way of '{choice}'; expected a transport, or the address of an MQTT broker"
+            f"{nearest(choice, CHOICES)}"
+        )
+    generation, reason = (1 if choice == "ros1" else 2, AS_ASKED) if choice != "auto" else generation_here()
     if generation == 1:
         from robophm.transports import ros1
 
-        return Live(ros1.Ros1(period=period), 1, "ros1", reason, ros1.Node, ros1.Publisher)
-    return _ros2(reason, period)
+        return Live(ros1.Ros1(period=period), "ROS 1", "ros1", reason, ros1.Node, ros1.Publisher)
+    return {"dds": _dds, "rclpy": _rclpy}.get(choice, _ros2)(reason, period)
+
+
+def _mqtt(address: str, period: float) -> Live:
+    from robophm.transports import mqtt
+
+    source = mqtt.Mqtt(address, period=period)
+    node = partial(mqtt.Node, source.connection)
+    return Live(source, "MQTT", "mqtt", f"{source.address}, {AS_ASKED}", node, mqtt.Publisher)
+
+
+def _dds(reason: str, period: float) -> Live:
+    from robophm.transports import ros2_dds
+
+    return Live(ros2_dds.Ros2Dds(period=period), "ROS 2", "ros2_dds", reason, ros2_dds.Node, ros2_dds.Publisher)
+
+
+def _rclpy(reason: str, period: float) -> Live:
+    from robophm.transports import ros2_rclpy
+
+    source = ros2_rclpy.Ros2Rclpy(period=period)
+    return Live(source, "ROS 2", "ros2_rclpy", reason, ros2_rclpy.Node, ros2_rclpy.Publisher)
 
 
 def _ros2(reason: str, period: float) -> Live:
     """Through rclpy where there is one that runs in this Python; else over DDS, and why. Raises SourceError."""
-    from robophm.transports import ros2_dds, ros2_rclpy
-
     why = "rclpy cannot be imported"
     if _has("rclpy"):
         try:
-            source = ros2_rclpy.Ros2Rclpy(period=period)
-            return Live(
-                source, 2, "ros2_rclpy", f"{reason}; rclpy can be imported", ros2_rclpy.Node, ros2_rclpy.Publisher
-            )
+            return _rclpy(f"{reason}; rclpy can be imported", period)
         except SourceError as error:  # as where ROS 2 is sourced for the Python that it was built with
             if not _has("cyclonedds"):
                 raise SourceError(f"{error}, and no cyclonedds: pip install robophm[ros2]") from None
             why = str(error)
-    return Live(ros2_dds.Ros2Dds(period=period), 2, "ros2_dds", f"{reason}; {why}", ros2_dds.Node, ros2_dds.Publisher)
+    return _dds(f"{reason}; {why}", period)
 
 
 def generation_here() -> tuple[int, str]:

@@ -1,0 +1,286 @@
+"""Signals of stress that may not be true: against the physics of the design, their neighbours and their own past.
+
+All is told from the ledger's load history. Nothing is corrected: a doubt is a flag, with what it would mean for the
+robot if the sensor were wrong.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from robophm.blocks.diagram import Block
+from robophm.design.robot import Channel, Robot
+from robophm.design.task import Task
+from robophm.health.change_of_signal import change_of
+from robophm.health.exposure import ExposureIntegrator
+from robophm.health.ledger import Ledger
+from robophm.health.mission import Completion, completion
+from robophm.health.prognosis import Outlook
+from robophm.health.stress_groups import channel_key
+from robophm.health.worn import moment
+
+Array = npt.NDArray[np.float64]
+
+TEMPERATURE_ACCURACY = 3.0
+"""Difference of two temperature sensors that is no news [K]: each of them may be off by half of it."""
+
+ACCURACY = 0.05
+"""The same of sensors of anything else, as a share of what they read."""
+
+FEWEST_NEIGHBOURS = 2
+"""Signals of other parts of the same kind that are needed to tell which one is odd: of two, it may be either."""
+
+FROZEN = 3
+"""Stretches of the past, one after the other, in which a signal must have said the very same to be called frozen."""
+
+
+@dataclass(frozen=True)
+class DoubtfulSignal:
+    """A signal that may not be true, and why."""
+
+    signal: str
+    key: str
+    """The key of its channel."""
+    why: str
+    """A sentence without its subject, such as "has said 41.2 to the last digit since …"."""
+    otherwise: str
+    """The condition under which ``instead`` is what is true, such as "if the others are right"."""
+    instead: float | None
+    """The value that would fit, in the unit of the model's input; None: that it is silent."""
+
+    def outlook(self, lived: Outlook, exposure: ExposureIntegrator, ledger: Ledger) -> Outlook:
+        """Return the outlook of a robot whose signal says from now on what would fit.
+
+        What has been counted stays counted. Stress factors to come change by their ratio at the means of the inputs.
+        """
+        recent = exposure.recent_inputs(ledger)
+        now = self._ratio(exposure, exposure.current_inputs(ledger))
+        changed = replace(lived, factor_now=lived.factor_now * now)
+        if lived.future.name == "nominal":
+            return changed
+        future = replace(lived.future, effective=lived.future.effective * self._ratio(exposure, recent)[:, None])
+        return replace(changed, future=future, inputs=self._fitting(recent))
+
+    def _fitting(self, inputs: Mapping[str, float]) -> dict[str, float]:
+        """Return the inputs, by channel, with what would fit in the place of what the signal says."""
+        others = {key: value for key, value in inputs.items() if key != self.key}
+        return others if self.instead is None else others | {self.key: self.instead}
+
+    def _ratio(self, exposure: ExposureIntegrator, inputs: Mapping[str, float]) -> Array:
+        """Return by how much that changes the stress factor of each mode; shape (modes,)."""
+        ratio: Array = exposure.factor_at(self._fitting(inputs)) / exposure.factor_at(inputs)
+        return ratio
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """A doubtful signal, and what it would mean for the robot if the sensor were wrong."""
+
+    about: DoubtfulSignal
+    hazard_rate: float
+    """Hazard rate now [1/h of operation] with what would fit in the place of what the signal says."""
+    completion: Completion | None
+    """Completion of the task likewise."""
+
+    def words(self, hazard_rate: float, completion: Completion | None) -> str:
+        """Say it in a sentence beside the sensor-based figures."""
+        rate = f"hazard rate {self.hazard_rate:.4g} /h in place of {hazard_rate:.4g} /h"
+        task = ""
+        if self.completion and completion:
+            of, now = self.completion.probability, completion.probability
+            task = f", probability of task completion {of:.6g} in place of {now:.6g}"
+        return f"{self.about.signal} {self.about.why}; {self.about.otherwise}: {rate}{task}"
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the doubt as plain values for JSON."""
+        return {
+            **{name: getattr(self.about, name) for name in ("signal", "why", "otherwise", "instead")},
+            "hazard_rate": self.hazard_rate,
+            "completion": self.completion.probability if self.completion else None,
+        }
+
+
+def doubts(
+    exposure: ExposureIntegrator, ledger: Ledger, lived: Outlook, diagram: Block, task: Task | None
+) -> tuple[Doubt, ...]:
+    """Return the doubtful signals of a robot, each with the system's figures if it were wrong."""
+    others = [(one, one.outlook(lived, exposure, ledger)) for one in doubtful_signals(exposure, ledger)]
+    return tuple(
+        Doubt(one, outlook.hazard_rate(diagram), completion(outlook, task) if task else None) for one, outlook in others
+    )
+
+
+class _Input(NamedTuple):
+    """What a channel measures: the model input, and the part that it belongs to."""
+
+    part: str
+    model: str
+    name: str
+    unit: str
+    own: bool
+    """Whether it is the part's own temperature, and not that of its surroundings."""
+    around: bool
+    """Whether it is the temperature of the part's surroundings."""
+
+
+def doubtful_signals(exposure: ExposureIntegrator, ledger: Ledger) -> tuple[DoubtfulSignal, ...]:
+    """Return the bound stress signals that may not be true, by name; each for one reason, the strongest first."""
+    found: dict[str, DoubtfulSignal] = {}
+    if exposure.channels:
+        inputs = _inputs(exposure.robot)
+        past = _Past.of(ledger, exposure.channels)
+        physics = _colder_than_around(exposure, ledger, inputs)
+        for doubt in chain(_frozen(past), physics, _odd(past, inputs), _changed(past, inputs)):
+            found.setdefault(doubt.key, DoubtfulSignal(exposure.channels[doubt.key].signal, *doubt))
+    return tuple(sorted(found.values(), key=lambda one: one.signal))
+
+
+class _Doubt(NamedTuple):
+    key: str
+    why: str
+    otherwise: str
+    instead: float | None
+
+
+def _inputs(robot: Robot) -> dict[str, list[_Input]]:
+    """What each channel, by its key, measures."""
+    found: dict[str, list[_Input]] = {}
+    for component in robot.all_components():
+        for stress in (stress for mode in component.modes for stress in mode.measured):
+            for name, channel in stress.channels.items():
+                entry = stress.model.numbers[name]
+                warm = entry.unit == "degC"
+                around = warm and (entry.warmth == "ambient" or (entry.warmth == "own" and channel.stress != name))
+                one = _Input(component.path, stress.model.name, name, entry.unit, warm and not around, around)
+                found.setdefault(channel_key(channel), []).append(one)
+    return found
+
+
+class _Past(NamedTuple):
+    """Means of channels over stretches of the past, those of equal length but for the last; NaN where none is known."""
+
+    ends: npt.NDArray[np.int64]
+    """Ends of the stretches [ns since the epoch], shape (stretches,)."""
+    means: Mapping[str, Array]
+    """By the key of a channel, in the unit of the model's input; shape (stretches,)."""
+
+    @classmethod
+    def of(cls, ledger: Ledger, channels: Mapping[str, Channel]) -> _Past:
+        """Take the past from a ledger's load history."""
+        steps = ledger.history
+        blank = (0.0, 0.0)
+        sums = {key: np.array([step.inputs.get(key, blank) for step in steps]).reshape(-1, 2).T for key in channels}
+        means = {
+            key: np.divide(value, time, out=np.full(len(steps), np.nan), where=time > 0)
+            for key, (value, time) in sums.items()
+        }
+        return cls(np.array([step.end for step in steps], dtype=np.int64), means)
+
+    def known(self, key: str) -> Array:
+        """Return the means of a channel that are known, in order of time."""
+        means = self.means[key]
+        return means[~np.isnan(means)]
+
+
+def _frozen(past: _Past) -> Iterator[_Doubt]:
+    """Signals that say the very same again and again, and did not before."""
+    for key, means in past.means.items():
+        said = np.flatnonzero(~np.isnan(means))
+        values = means[said]
+        same = np.isclose(values[1:], values[:-1], rtol=1e-12, atol=0.0)
+        runs = _run_lengths(same)
+        if not len(runs) or (now := runs[-1]) < FROZEN or len(runs) == 1 or now <= 3 * max(runs[:-1]):
+            continue
+        begin = int(past.ends[said[len(values) - now - 1]])
+        yield _Doubt(key, f"has said {values[-1]:.6g} to the last digit since {moment(begin)}", "if it is dead", None)
+
+
+def _run_lengths(same: npt.NDArray[np.bool_]) -> list[int]:
+    """The lengths of runs of equal values, of which ``same`` says whether each is equal to the one before."""
+    cuts = np.flatnonzero(~same) + 1
+    return [int(run) for run in np.diff([0, *cuts.tolist(), len(same) + 1])]
+
+
+def _colder_than_around(
+    exposure: ExposureIntegrator, ledger: Ledger, inputs: Mapping[str, Sequence[_Input]]
+) -> Iterator[_Doubt]:
+    """Parts that are colder than what is around them: heat goes from a part that works to its surroundings."""
+    recent = exposure.recent_inputs(ledger)
+    around: dict[str, dict[str, None]] = {}
+    for key, own in inputs.items():
+        for one in own:
+            if one.around and key in recent:
+                around.setdefault(_module(one.part), {})[key] = None
+    for key, own in inputs.items():
+        for outer in dict.fromkeys(outer for one in own if one.own for outer in around.get(_module(one.part), ())):
+            inside, outside = recent.get(key, math.nan), recent[outer]
+            names = [exposure.channels[each].signal for each in (key, outer)]
+            if names[0] == names[1] or not inside < outside - TEMPERATURE_ACCURACY:
+                continue
+            less = f"{outside - inside:.3g} degC"
+            yield _Doubt(
+                key, f"reads {less} less than its surroundings, {names[1]}", f"if {names[1]} is right", outside
+            )
+            yield _Doubt(
+                outer, f"reads {less} more than the part inside, {names[0]}", f"if {names[0]} is right", inside
+            )
+
+
+def _module(part: str) -> str:
+    return part.rpartition("/")[0]
+
+
+def _neighbours(inputs: Mapping[str, Sequence[_Input]]) -> Iterator[tuple[str, dict[str, str]]]:
+    """The inputs of parts of one kind that several channels measure: its name, and the unit by each channel's key."""
+    kinds: dict[tuple[str, str], dict[str, str]] = {}
+    for key, own in inputs.items():
+        for one in own:
+            kinds.setdefault((one.model, one.name), {})[key] = one.unit
+    for (_, name), units in kinds.items():
+        if len(units) > FEWEST_NEIGHBOURS:
+            yield name, units
+
+
+def _odd(past: _Past, inputs: Mapping[str, Sequence[_Input]]) -> Iterator[_Doubt]:
+    """Signals that have left their neighbours: those of the same input of other parts of the same kind."""
+    for name, units in _neighbours(inputs):
+        usual = {key: float(np.median(known)) for key in units if len(known := past.known(key))}
+        left = {key: past.means[key] - own for key, own in usual.items()}
+        while len(left) > FEWEST_NEIGHBOURS:
+            middle, found = np.median([*left.values()], axis=0), []
+            for key, values in left.items():
+                accuracy = _accuracy(units[key], past.known(key))
+                if change := change_of(past.ends, values - middle, accuracy):
+                    found.append((abs(change.by) / max(accuracy, 1e-300), key, change))
+            if not found:
+                break
+            _, key, change = max(found)
+            kept = f"against {len(left) - 1} other signals of '{name}' of parts of its kind"
+            instead = usual[key] + float(middle[~np.isnan(middle)][-1]) + change.before
+            yield _Doubt(key, f"{change.words(units[key])}, {kept}", "if the others are right", instead)
+            del left[key]
+
+
+def _changed(past: _Past, inputs: Mapping[str, Sequence[_Input]]) -> Iterator[_Doubt]:
+    """Signals that nothing can be compared with, and that differ from all that they said before, or drift."""
+    compared = {key for _, units in _neighbours(inputs) for key in units}
+    for key, values in past.means.items():
+        if key in compared:
+            continue
+        unit = inputs[key][0].unit
+        if change := change_of(past.ends, values, _accuracy(unit, past.known(key))):
+            either = "its sensor has changed, or what it measures"
+            yield _Doubt(key, f"{change.words(unit)}: {either}", "if it is as before", change.before)
+
+
+def _accuracy(unit: str, values: Array) -> float:
+    if unit == "degC":
+        return TEMPERATURE_ACCURACY
+    return ACCURACY * float(np.median(np.abs(values))) if len(values) else 0.0

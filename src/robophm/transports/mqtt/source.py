@@ -1,0 +1,233 @@
+"""The live source of JSON at an MQTT broker."""
+
+from __future__ import annotations
+
+import threading
+import time
+import uuid
+from collections.abc import Callable, Collection, Iterator, Mapping
+
+from robophm.core.errors import SourceError
+from robophm.core.signal import is_topic
+from robophm.transports.live.receiving import (
+    QUEUE,
+    TICK,
+    ListeningSource,
+    Queue,
+    Receiver,
+    Run,
+    by_topic,
+    tick_of,
+)
+from robophm.transports.mqtt.address import Address
+from robophm.transports.mqtt.address import address as address_of
+from robophm.transports.mqtt.connection import Connection
+from robophm.transports.mqtt.json_message import JsonDecoder, broken_state, kind_of, numeric_fields, parsed, stamp_of
+from robophm.transports.signals.incidents import Incidents
+from robophm.transports.signals.source import STAMP_LIMIT, LiveItem, TopicInfo
+
+DISCOVERY_SECONDS = 2.0
+"""Seconds from the first connection until what the broker keeps and what is often said is taken to be known."""
+
+MOST_TOPICS = 10_000
+"""Topics that are remembered: publishers can name any."""
+
+LEARN_SECONDS = 1.0
+"""Seconds after which another message of a topic is looked through for fields that earlier ones did not have."""
+
+
+class Mqtt(ListeningSource):
+    """Live topics of a robot that tells its state as JSON at an MQTT broker; a context manager.
+
+    The address names the broker and the topic below which the robot speaks, ``mqtt://host/uagv/v2/MAKER/0001``; its
+    topics are named from there, ``/state``. ``samples`` is endless: it goes on through a broker that is lost, until
+    ``close``, which may come from any thread. A sample's time is what the message states, by ISO 8601 in ``timestamp``
+    or as ROS in ``header.stamp``, or its receipt where that is not stated or more than 10 s off. What a broker had
+    kept and is older than that is not taken. Clock samples come at multiples of ``period`` [s], and at least twice a
+    second. ``notes`` counts what was dropped, lost, unreadable, and made anew.
+
+    Raises SourceError where there is no such broker, it does not let us in, or there is no paho-mqtt.
+    """
+
+    announced = False
+
+    def __init__(self, address: str | Address, *, queue: int = QUEUE, period: float = TICK) -> None:
+        self.address = address if isinstance(address, Address) else address_of(address)
+        self.fingerprint = f"mqtt:{uuid.uuid4().hex}"
+        self.notes = self._notes = Incidents()
+        self._queue = queue
+        self._tick = tick_of(period)
+        self._closed = False
+        self._known: dict[str, _Known] = {}
+        self._lock = threading.RLock()
+        self._subscription: Subscription | None = None
+        self._cut_off = ""
+        """The latest words on the robot's connection, where it is none."""
+        self.connection = Connection(self.address, self._notes, self._heard, self._lost)
+        self._born = time.monotonic()
+
+    def topics(self) -> list[TopicInfo]:
+        """Return the topics of which something was heard so far; messages are counted since they are listened to."""
+        if self._closed:
+            raise SourceError("the source is closed")
+        time.sleep(max(0.0, self._born + DISCOVERY_SECONDS - time.monotonic()))
+        counts = self._run.hearing.counts if self._run else {}
+        with self._lock:
+            found = []
+            for topic, known in sorted(self._known.items()):
+                count = counts.get(topic)
+                messages, first, last = (count.messages, count.first, count.last) if count else (0, None, None)
+                found.append(TopicInfo(topic, known.kind, messages, first, last, tuple(known.fields)))
+            return found
+
+    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
+        """Yield the samples of these signals in order of arrival, clock samples, and the messages on these topics.
+
+        What an earlier call gave ends. Raises SourceError where a signal is none.
+        """
+        wanted = by_topic(signals)
+        if self._closed:
+            raise SourceError("the source is closed")
+        if self._run:
+            self._run.close()
+        self.notes = self._notes = self.connection.notes = Incidents()
+        if self._cut_off:
+            self._notes.add(self._cut_off)
+        queue = Queue(self._notes, self._queue)
+        hearing = Receiver(self._notes, queue.put, topics, simulated=False)
+        subscription = Subscription(wanted, hearing, queue.hand_on, self._tick)
+        run = Run(queue, hearing, subscription)
+        self._begin(run)
+        with self._lock:
+            for known in self._known.values():
+                known.latest = 0
+        self._subscription = subscription
+        subscription.start()
+        self.connection.ask_again()
+        return run.heard()
+
+    def _heard(self, topic: str, raw: bytes, kept: bool) -> None:
+        """Take a message in the connection's thread."""
+        if b'"connectionState"' in raw:
+            self._hear_of_connection(topic, broken_state(raw))
+        known = self._learn(topic, raw)
+        if known is None or (kept and known.is_old(raw, self._notes, topic)):
+            return
+        known.latest = hash(raw)
+        if subscription := self._subscription:
+            subscription.hear(topic, raw)
+
+    def _hear_of_connection(self, topic: str, state: str) -> None:
+        self._cut_off = f"the robot is not connected: {topic} says {state}" if state else ""
+        if state:
+            self._notes.add(self._cut_off)
+            self._lost()
+
+    def _learn(self, topic: str, raw: bytes) -> _Known | None:
+        with self._lock:
+            known = self._known.get(topic)
+            if known is None:
+                if len(self._known) >= MOST_TOPICS:
+                    self._notes.add(f"over {MOST_TOPICS} topics, some not heard; expected the topic of one robot")
+                    return None
+                if not is_topic(topic):
+                    self._notes.add(
+                        f"a dot or blank in its name, not heard: {topic[:200]!r}; expected the topic above it"
+                    )
+                known = self._known[topic] = _Known()
+            known.learn(topic, raw)
+            return known
+
+    def _lost(self) -> None:
+        if subscription := self._subscription:
+            subscription.lost()
+
+    def close(self) -> None:
+        """End ``samples``, the connection and all threads; twice does no harm."""
+        self._closed = True
+        if self._run:
+            self._run.close()
+        self.connection.close()
+
+
+class _Known:
+    """The knowledge of one topic: what its messages are and have."""
+
+    def __init__(self) -> None:
+        self.kind = ""
+        self.fields: dict[str, None] = {}
+        self.latest = 0
+        """The hash of the latest message."""
+        self._due = 0.0
+
+    def learn(self, topic: str, raw: bytes) -> None:
+        """Look through a message for fields, unless that was done a moment ago."""
+        if time.monotonic() < self._due:
+            return
+        self._due = time.monotonic() + LEARN_SECONDS
+        try:
+            message = parsed(raw)
+        except (ValueError, RecursionError):  # it is counted where it is listened to
+            return
+        self.kind = kind_of(topic, message)
+        if not is_topic(topic):
+            return
+        self.fields |= dict.fromkeys(numeric_fields(message)) if len(self.fields) < MOST_TOPICS else {}
+
+    def is_old(self, raw: bytes, notes: Incidents, topic: str) -> bool:
+        """Whether what the broker had kept was heard before, or was said long ago, which is counted."""
+        if hash(raw) == self.latest:
+            return True
+        try:
+            stamp = stamp_of(parsed(raw))
+        except (ValueError, RecursionError):
+            return False
+        if old := bool(stamp) and abs(time.time_ns() - stamp) > STAMP_LIMIT:
+            self.latest = hash(raw)
+            notes.add(f"kept by the broker for long, not taken: {topic}")
+        return old
+
+
+class Subscription(threading.Thread):
+    """The listening to the topics of signals: messages come in the connection's thread, the clock ticks in this one."""
+
+    def __init__(
+        self, wanted: Mapping[str, Collection[str]], hearing: Receiver, served: Callable[[], None], tick: float
+    ) -> None:
+        super().__init__(name="mqtt clock", daemon=True)
+        all_wanted = dict.fromkeys(hearing.whole, ()) | dict(wanted)
+        self._decoders = {topic: JsonDecoder(topic, signals) for topic, signals in all_wanted.items()}
+        self._before: dict[str, int | None] = {}
+        self._hearing = hearing
+        self._served = served
+        self._every = tick
+        self._lock = threading.Lock()
+        self._over = threading.Event()
+
+    def run(self) -> None:
+        """Put a clock sample at every tick."""
+        while not self._over.wait(self._every - time.time() % self._every):
+            with self._lock:
+                self._hearing.tell()
+                self._served()
+
+    def hear(self, topic: str, raw: bytes) -> None:
+        """Take a message of a topic, where it is wanted."""
+        if decoder := self._decoders.get(topic):
+            with self._lock:
+                self._before[topic] = self._hearing.messages(decoder, [raw], self._before.get(topic))
+                self._served()
+
+    def lost(self) -> None:
+        """Take it that from now on messages are missed on all topics."""
+        with self._lock:
+            for topic in self._decoders.keys() & self._before.keys():
+                self._hearing.missing(topic, "connection lost")
+            self._served()
+
+    def close(self) -> None:
+        """End the clock; what comes is heard no longer."""
+        self._over.set()
+        self._decoders.clear()
+        if self.is_alive():
+            self.join()

@@ -1,0 +1,161 @@
+"""A robot that tells its state by VDA 5050: what is heard of it, and what its silence is taken for."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from robophm.core.signal import SECOND
+from robophm.transports.mqtt import Mqtt
+
+from ..listener import Heard, within
+from .conftest import Broker, Robot
+
+ROOT = "uagv/v2/MAKER/00.1"  # a serial number may have dots (VDA 5050 2.1, Topic levels)
+CHARGE, LEFT = (
+    "/state.batteryState.batteryCharge",
+    "/state.information[temperatures].infoReferences[left].referenceValue",
+)
+
+
+def header(number: int, ago: float = 0.0) -> dict[str, Any]:
+    """As printed in the specification: 2017-04-15T11:40:03.123Z."""
+    at = datetime.now(UTC) - timedelta(seconds=ago)
+    stamp = at.strftime("%Y-%m-%dT%H:%M:%S.") + f"{at.microsecond // 1000:03d}Z"
+    return {
+        "headerId": number, "timestamp": stamp, "version": "2.1.0", "manufacturer": "MAKER", "serialNumber": "00.1",
+    }  # fmt: skip
+
+
+def state(number: int, charge: float, ago: float = 0.0, **more: Any) -> dict[str, Any]:
+    """The fields of a state that VDA 5050 2.1 requires (its JSON schema), and some of those that may be left out."""
+    references = [{"referenceKey": "right", "referenceValue": "39"}, {"referenceKey": "left", "referenceValue": "41.5"}]
+    return header(number, ago) | {
+        "orderId": "", "orderUpdateId": 0, "lastNodeId": "n1", "lastNodeSequenceId": 0, "nodeStates": [],
+        "edgeStates": [], "driving": True, "actionStates": [],
+        "batteryState": {"batteryCharge": charge, "charging": False}, "operatingMode": "AUTOMATIC", "errors": [],
+        "safetyState": {"eStop": "NONE", "fieldViolation": False},
+        "information": [{"infoType": "temperatures", "infoLevel": "INFO", "infoReferences": references}],
+    } | more  # fmt: skip
+
+
+@pytest.fixture
+def robot(broker: Broker) -> Iterator[Robot]:
+    robot = Robot(broker, ROOT)
+    yield robot
+    robot.say("/connection", b"", retain=True)  # the broker keeps nothing for the next test
+    robot.say("/state", b"", retain=True)
+    robot.close()
+
+
+@pytest.fixture
+def source(broker: Broker, robot: Robot) -> Iterator[Mqtt]:
+    with Mqtt(broker.address(ROOT)) as source:
+        yield source
+
+
+def test_a_state_is_numbers_with_the_time_that_it_states(source: Mqtt, robot: Robot) -> None:
+    names = [CHARGE, LEFT, "/state.driving", "/state.velocity.vx", "/state.errors[motorHot].errorLevel"]
+    heard = Heard(source, *names)
+    robot.say("/state", first := state(1, 80.5, ago=5))
+    robot.say("/state", state(2, 80.25, velocity={"vx": 0.5, "vy": 0, "omega": 0}))
+    within(5, lambda: heard.of(CHARGE) == [80.5, 80.25])
+    assert heard.of("/state.driving") == [1.0, 1.0]
+    assert heard.of(LEFT) == [41.5, 41.5]
+    assert heard.of("/state.velocity.vx") == [0.5]  # optional: no zero before it was there
+    stated = next(sample.time for sample in heard.samples if sample.signal == CHARGE)
+    assert stated == round(datetime.fromisoformat(first["timestamp"]).timestamp() * 1000) * 1_000_000
+    (info,) = [info for info in source.topics() if info.topic == "/state"]
+    assert (info.type, info.messages) == ("vda5050/state", 2)
+    assert {"batteryState.batteryCharge", "safetyState.fieldViolation"} <= set(info.fields)
+    assert source.notes["no element for /state.velocity.vx"] == 1
+
+
+def test_what_is_missing_of_a_topic_is_counted_by_its_header(source: Mqtt, robot: Robot) -> None:
+    heard = Heard(source, CHARGE)
+    for number in (7, 8, 11, 1, 2):  # two are lost; then the robot is started anew
+        robot.say("/state", state(number, float(number)))
+    within(5, lambda: len(heard.of(CHARGE)) == 5)
+    assert source.notes["sequence gap on /state"] == 2
+
+
+def test_what_the_broker_kept_for_long_is_no_sample(broker: Broker, robot: Robot) -> None:
+    robot.say("/state", state(1, 99.0, ago=3600), retain=True)
+    with Mqtt(broker.address(ROOT)) as source:
+        heard = Heard(source, CHARGE)
+        within(5, lambda: source.notes["kept by the broker for long, not taken: /state"] == 1)
+        robot.say("/state", state(2, 98.0))
+        within(5, lambda: heard.of(CHARGE) == [98.0])
+
+
+def test_a_last_will_is_told_and_no_value_outlives_it(source: Mqtt, broker: Broker) -> None:
+    heard = Heard(source, CHARGE)
+    leaving = Robot(broker, ROOT, will=header(0, 3600) | {"connectionState": "CONNECTIONBROKEN"})
+    leaving.say("/connection", header(1) | {"connectionState": "ONLINE"}, retain=True)
+    leaving.say("/state", state(1, 80.0))
+    within(5, lambda: heard.of(CHARGE) == [80.0])
+    leaving.vanish()
+    said = "the robot is not connected: /connection says CONNECTIONBROKEN"
+    within(20, lambda: source.notes[said] == 1)
+    clocks = len(heard.of("clock"))
+    within(5, lambda: len(heard.of("clock")) >= clocks + 2)  # time goes on in its silence
+    assert heard.of(CHARGE) == [80.0]
+    assert source.notes["connection lost on /state"] == 1
+    with Mqtt(broker.address(ROOT)) as late:  # who comes then is told too
+        within(5, lambda: late.notes.copy()[said] == 1)
+
+
+DESIGN = """
+schema_version: 1
+name: AMR
+signals:
+  temperature: {topic: /state, unit: degC, max_age: 2 s, range: [-40, 125],
+                field: 'information[temperatures].infoReferences[left].referenceValue'}
+components: {motor: {rate: 0.01 /h, acceleration: {model: q10, reference_temperature: 31.5 degC}}}
+"""
+
+
+def _speak(robot: Robot, over: threading.Event) -> None:
+    number = 0
+    while not over.wait(0.1):
+        number += 1
+        robot.say("/state", state(number, 80.0))
+
+
+def test_watch_ages_by_what_it_says_and_tells_its_health(broker: Broker, robot: Robot, tmp_path: Path) -> None:
+    """At 41.5 °C, ten over the reference, q10 = 2 doubles the rate."""
+    (tmp_path / "robot.yaml").write_text(DESIGN)
+    robot.hear(f"{ROOT}/phm_hazard_rate")
+    words = ["watch", "robot.yaml", "--via", broker.address(ROOT), "--period", "0.5", "--every", "0.5", "--json"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "robophm", *words], cwd=tmp_path, text=True, stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE, env=os.environ,
+    )  # fmt: skip
+    try:
+        assert process.stderr is not None
+        assert process.stderr.readline() == f"listening to MQTT (mqtt): {broker.address(ROOT)}, as asked\n"
+        assert process.stdout is not None
+        rates = (json.loads(line)["subjects"][0]["sensor_based"]["hazard_rate"] for line in process.stdout)
+        over, speaking = threading.Event(), threading.Thread(target=lambda: _speak(robot, over))
+        speaking.start()
+        assert pytest.approx(0.02, rel=1e-9) in rates
+        over.set()
+        speaking.join()
+        within(5, lambda: robot.heard)
+        told = json.loads(robot.heard[-1][1])
+        assert told["stamp"]["sec"] == pytest.approx(time.time_ns() / SECOND, abs=60)
+    finally:
+        process.send_signal(signal.SIGINT)
+        _, warned = process.communicate(timeout=50)
+    assert process.returncode == 0, warned
