@@ -153,10 +153,11 @@ def main() -> int:
             highlight=False,
         )
     p_value = likelihood_ratio_p_value(blind, ours)
-    out.print(f"with wear: {judge_tasks(score)}", markup=False, soft_wrap=True)
+    verdict = judge_tasks(score)
+    out.print(f"with wear: {verdict}", markup=False, soft_wrap=True)
     out.print(f"wear ignored: {judge_tasks(score_tasks(blind))}", markup=False, soft_wrap=True)
     out.print(f"wear ignored, by the ratio of likelihoods to ours: p = {p_value:.2g}", highlight=False)
-    honest = inside(score) and p_value < FOUND_OUT
+    honest = inside(score) and verdict.finding != "not calibrated" and p_value < FOUND_OUT
     out.print("honest" if honest else "not honest", style="green" if honest else "bold red")
     return 0 if honest else 1
 
