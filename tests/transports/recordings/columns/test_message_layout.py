@@ -27,7 +27,9 @@ IDS = [f"{'ros1' if packed else 'cdr'}-{type_}" for _, packed, type_ in KINDS]
 
 def type_of(store: Any, type_: str, packed: bool = False) -> MessageType:
     decode = store.deserialize_ros1 if packed else store.deserialize_cdr
-    return MessageType(type_, store.fielddefs, packed, partial(decode, typename=type_), None, False, store, True)
+    return MessageType(
+        type_, store.fielddefs, "ros1" if packed else "cdr", partial(decode, typename=type_), None, False, store, True
+    )
 
 
 def laid_out(raws: list[bytes], guard: bytes = b"\xff\xff\xff") -> tuple[Any, Any, Any]:
