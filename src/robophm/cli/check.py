@@ -8,7 +8,6 @@ from robophm.core.errors import DesignError
 from robophm.design.file import load
 from robophm.health.refusal import refusal
 from robophm.health.unknown_rates import named, unknown_in_parts
-from robophm.learning.wear.teachers import teachers_of
 from robophm.parts import graded
 from robophm.report.surroundings import environments, environments_in_words, qualities, qualities_in_words
 
@@ -21,7 +20,10 @@ def command(design: Design, as_json: Json = False) -> None:
             warn(warning)
     if says := refusal(robot):
         raise DesignError(f"{design}: {says}")
-    teachers_of(robot)
+    if any(mode.wear and mode.wear.teachers for mode in robot.modes):
+        from robophm.learning.wear.teachers import teachers_of  # what foretells wear takes long to load
+
+        teachers_of(robot)
     left_out = unknown_in_parts(robot.all_components())
     warnings = list(robot.warnings)
     if left_out:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import t as student
+from scipy.special import stdtr
 
 from robophm.core.signal import HOUR
 from robophm.health.worn import moment
@@ -116,4 +116,4 @@ def trend_chance(values: Array) -> float:
         return 1.0
     correlation = slope * math.sqrt(float(time @ time) / spread)
     score = correlation * math.sqrt((worth - 2) / (1 - correlation**2))
-    return 2 * float(student.sf(abs(score), worth - 2))
+    return 2 * float(stdtr(worth - 2, -abs(score)))

@@ -6,12 +6,14 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from robophm.life.distribution import Array, LifeDistribution
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PchipInterpolator
 
 SHARES = (0.005, 0.01, 0.02, 0.035, 0.05, *np.arange(0.075, 0.93, 0.025).tolist(), 0.95, 0.965, 0.98, 0.99, 0.995)
 """Quantiles that the curve goes through. Of four thousand draws twenty lie below the first."""
@@ -72,6 +74,8 @@ class ForetoldLife(LifeDistribution):
     @cached_property
     def _curve(self) -> tuple[PchipInterpolator, PchipInterpolator, Array, Array, tuple[float, float]]:
         """ln H over ln t, its slope, the points, and the slopes beyond them."""
+        from scipy.interpolate import PchipInterpolator  # takes longer to load than most commands to answer
+
         x, y = np.log(self.times), np.log(self.hazards)
         some = max(1, len(x) // 8)
         slopes = ((y[some] - y[0]) / (x[some] - x[0]), (y[-1] - y[-1 - some]) / (x[-1] - x[-1 - some]))
