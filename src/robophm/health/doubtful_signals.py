@@ -16,14 +16,14 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.blocks.diagram import Block
-from robophm.design.robot import Channel, Robot
+from robophm.design.robot import Channel
 from robophm.design.task import Task
 from robophm.health.change_of_signal import change_of
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
+from robophm.health.measured_inputs import MeasuredInput
 from robophm.health.mission import Completion, completion
 from robophm.health.prognosis import Outlook
-from robophm.health.stress_groups import channel_key
 from robophm.health.worn import moment
 
 Array = npt.NDArray[np.float64]
@@ -117,24 +117,11 @@ def doubts(
     )
 
 
-class _Input(NamedTuple):
-    """What a channel measures: the model input, and the part that it belongs to."""
-
-    part: str
-    model: str
-    name: str
-    unit: str
-    own: bool
-    """Whether it is the part's own temperature, and not that of its surroundings."""
-    around: bool
-    """Whether it is the temperature of the part's surroundings."""
-
-
 def doubtful_signals(exposure: ExposureIntegrator, ledger: Ledger) -> tuple[DoubtfulSignal, ...]:
     """Return the bound stress signals that may not be true, by name; each for one reason, the strongest first."""
     found: dict[str, DoubtfulSignal] = {}
     if exposure.channels:
-        inputs = _inputs(exposure.robot)
+        inputs = exposure.measured_inputs
         past = _Past.of(ledger, exposure.channels)
         physics = _colder_than_around(exposure, ledger, inputs)
         for doubt in chain(_frozen(past), physics, _odd(past, inputs), _changed(past, inputs)):
@@ -147,20 +134,6 @@ class _Doubt(NamedTuple):
     why: str
     otherwise: str
     instead: float | None
-
-
-def _inputs(robot: Robot) -> dict[str, list[_Input]]:
-    """What each channel, by its key, measures."""
-    found: dict[str, list[_Input]] = {}
-    for component in robot.all_components():
-        for stress in (stress for mode in component.modes for stress in mode.measured):
-            for name, channel in stress.channels.items():
-                entry = stress.model.numbers[name]
-                warm = entry.unit == "degC"
-                around = warm and (entry.warmth == "ambient" or (entry.warmth == "own" and channel.stress != name))
-                one = _Input(component.path, stress.model.name, name, entry.unit, warm and not around, around)
-                found.setdefault(channel_key(channel), []).append(one)
-    return found
 
 
 class _Past(NamedTuple):
@@ -209,7 +182,7 @@ def _run_lengths(same: npt.NDArray[np.bool_]) -> list[int]:
 
 
 def _colder_than_around(
-    exposure: ExposureIntegrator, ledger: Ledger, inputs: Mapping[str, Sequence[_Input]]
+    exposure: ExposureIntegrator, ledger: Ledger, inputs: Mapping[str, Sequence[MeasuredInput]]
 ) -> Iterator[_Doubt]:
     """Parts that are colder than what is around them: heat goes from a part that works to its surroundings."""
     recent = exposure.recent_inputs(ledger)
@@ -237,7 +210,7 @@ def _module(part: str) -> str:
     return part.rpartition("/")[0]
 
 
-def _neighbours(inputs: Mapping[str, Sequence[_Input]]) -> Iterator[tuple[str, dict[str, str]]]:
+def _neighbours(inputs: Mapping[str, Sequence[MeasuredInput]]) -> Iterator[tuple[str, dict[str, str]]]:
     """The inputs of parts of one kind that several channels measure: its name, and the unit by each channel's key."""
     kinds: dict[tuple[str, str], dict[str, str]] = {}
     for key, own in inputs.items():
@@ -248,7 +221,7 @@ def _neighbours(inputs: Mapping[str, Sequence[_Input]]) -> Iterator[tuple[str, d
             yield name, units
 
 
-def _odd(past: _Past, inputs: Mapping[str, Sequence[_Input]]) -> Iterator[_Doubt]:
+def _odd(past: _Past, inputs: Mapping[str, Sequence[MeasuredInput]]) -> Iterator[_Doubt]:
     """Signals that have left their neighbours: those of the same input of other parts of the same kind."""
     for name, units in _neighbours(inputs):
         usual = {key: float(np.median(known)) for key in units if len(known := past.known(key))}
@@ -268,7 +241,7 @@ def _odd(past: _Past, inputs: Mapping[str, Sequence[_Input]]) -> Iterator[_Doubt
             del left[key]
 
 
-def _changed(past: _Past, inputs: Mapping[str, Sequence[_Input]]) -> Iterator[_Doubt]:
+def _changed(past: _Past, inputs: Mapping[str, Sequence[MeasuredInput]]) -> Iterator[_Doubt]:
     """Signals that nothing can be compared with, and that differ from all that they said before, or drift."""
     compared = {key for _, units in _neighbours(inputs) for key in units}
     for key, values in past.means.items():

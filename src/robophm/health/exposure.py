@@ -18,6 +18,7 @@ from robophm.core.signal import HOUR, Sample
 from robophm.design.robot import Channel, MeasuredClock, Robot
 from robophm.health.clock import Clock
 from robophm.health.ledger import RECENT, Ledger, Step, Total
+from robophm.health.measured_inputs import MeasuredInput, measured_inputs
 from robophm.health.sample_stretch import Flags, Observed, SampleStretch, SignalSubset
 from robophm.health.stress_groups import StressGroup, StressGroups, channel_key
 from robophm.health.wear_readings import Ageing, take_samples
@@ -114,6 +115,11 @@ class ExposureIntegrator:
             for k, i in enumerate(modes)
         ]
         take_samples(ledger.wear, [(key, wear) for _, key, wear in some], columns, how)
+
+    @cached_property
+    def measured_inputs(self) -> Mapping[str, Sequence[MeasuredInput]]:
+        """What each channel, by its key, measures."""
+        return measured_inputs(self.robot)
 
     @cached_property
     def _apart(self) -> tuple[StressGroups, ...]:
