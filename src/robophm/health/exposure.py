@@ -118,7 +118,7 @@ class ExposureIntegrator:
 
     @cached_property
     def measured_inputs(self) -> Mapping[str, Sequence[MeasuredInput]]:
-        """What each channel, by its key, measures."""
+        """Return what each channel, by its key, measures."""
         return measured_inputs(self.robot)
 
     @cached_property

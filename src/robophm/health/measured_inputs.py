@@ -1,4 +1,4 @@
-"""What the channels of a design measure: inputs of models, of which parts."""
+"""Inputs of models that the channels of a design measure, and the parts that they belong to."""
 
 from __future__ import annotations
 
