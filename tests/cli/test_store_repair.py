@@ -116,3 +116,20 @@ def test_what_the_clock_is_ahead_by_is_taken_in_or_struck_out(inside, tmp_path, 
     again = inside("store", "repair", "robot.yaml", "--store", "past.db", "--strike-out")
     assert again.returncode == 3
     assert again.stderr.startswith("error: the clock was plausible when it was last heard")
+
+
+def test_a_damaged_store_is_made_anew(inside, tmp_path, lags):
+    path = tmp_path / "past.db"
+    raw = bytearray(path.read_bytes())
+    raw[raw.index(b'"totals"') + 3] ^= 1
+    path.write_bytes(raw)
+    refused = inside("report", "robot.yaml", "--store", "past.db")
+    assert refused.returncode == 3
+    assert refused.stderr == (
+        "error: past.db: the ledger of R is damaged: its checksum is another; "
+        "robophm store repair goes back to the last good state\n"
+    )
+    done = inside("store", "repair", "robot.yaml", "--store", "past.db")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "the past of R is that of the last good state. As it was: past.db.damaged" in " ".join(done.stdout.split())
+    assert inside("report", "robot.yaml", "--store", "past.db").returncode == 0

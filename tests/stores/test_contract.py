@@ -208,7 +208,7 @@ def other_tables(path: Path) -> None:
 def later_version(path: Path) -> None:
     SqliteStore(path).close()
     with closing(sqlite3.connect(path)) as base, base:
-        base.execute("PRAGMA user_version = 3")
+        base.execute("PRAGMA user_version = 4")
     base.close()
 
 
@@ -223,9 +223,9 @@ def torn_state(path: Path) -> None:
 NOT_STORES: dict[str, tuple[Callable[[Path], object], str]] = {
     "text": (lambda path: path.write_text("name: OTA\n" * 100), "not a database"),
     "folder": (lambda path: path.mkdir(), "unable to open"),
-    "other tables": (other_tables, "not a robophm store of version 2 .its version is 0"),
-    "later version": (later_version, "not a robophm store of version 2 .its version is 3"),
-    "torn": (torn_state, "expected a robophm store that can be read"),
+    "other tables": (other_tables, "not a robophm store of version 3 .its version is 0"),
+    "later version": (later_version, "of version 4, of a newer robophm; this one knows up to version 3"),
+    "torn": (torn_state, "the ledger of R is damaged: its checksum is another; robophm store repair goes back"),
     "no folder": (lambda _: None, "unable to open"),
 }
 
@@ -297,3 +297,34 @@ def test_a_file_that_may_not_be_written_is_an_error() -> None:
         assert error.startswith(f"StoreError: {path}: ")
         with SqliteStore(path) as store:
             assert store.ledger("R") == STATE
+
+
+ALONE = """
+import sys, time
+from robophm.stores import open_store
+with open_store(sys.argv[1]) as store, store.alone("R"):
+    print("there", flush=True)
+    time.sleep(600)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs locks of files")
+def test_one_process_at_a_time_goes_on_with_a_past_and_a_killed_one_leaves_no_lock(tmp_path: Path) -> None:
+    path = tmp_path / "robots.db"
+    other = subprocess.Popen([sys.executable, "-c", ALONE, str(path)], stdout=subprocess.PIPE, text=True)
+    try:
+        assert other.stdout
+        assert other.stdout.readline() == "there\n"
+        with SqliteStore(path) as store:
+            with pytest.raises(StoreError, match=f"process {other.pid} goes on with the past of R"), store.alone("R"):
+                pass
+            with store.alone("S"):
+                assert len(list(tmp_path.glob("*.lock"))) == 2
+            other.kill()
+            other.wait()
+            with store.alone("R"):
+                pass
+    finally:
+        other.kill()
+        other.communicate()
+    assert list(tmp_path.glob("*.lock")) == []

@@ -19,6 +19,7 @@ from robophm.health.ledger_parts import Fate
 from robophm.health.suspect_time import Verdict, said
 from robophm.monitoring.stored_past import fates_in, identity_in, repair_past, settle_past, suspect_time_in
 from robophm.report.words import moment_text, number_text
+from robophm.stores import restore_store
 
 command = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None)
 
@@ -99,14 +100,21 @@ def repair(
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """Undo what a clock that was wrong did to a robot's past; a copy is kept beside it.
+    """Undo what damage, or a clock that was wrong, did to a robot's past; a copy is kept beside it.
 
-    A jump by years that was counted is taken out, and what came behind it. Where time went on without a clock that was
+    A damaged store is made anew of what is sound in it and of the last good state, kept in a file beside it. A jump by
+    years that was counted is taken out, and what came behind it. Where time went on without a clock that was
     not plausible, the difference is taken in or struck out as you say.
     """
     if take_in and strike_out:
         raise RobophmError("--take-in or --strike-out? expected one of them")
     robot = load(design)
+    if anew := restore_store(path):
+        if as_json:
+            print_json({"robot": robot.name, "repaired": {"said": anew.said}, "copy": str(anew.copy)})
+        else:
+            console().print(f"{path}: made anew: {'; '.join(anew.said)}. As it was: {anew.copy}", markup=False)
+        return
     if take_in or strike_out:
         _settle(robot, path, "taken in" if take_in else "struck out", as_json=as_json)
         return

@@ -13,6 +13,7 @@ from robophm.core.errors import StoreError
 from robophm.core.signal import HOUR, SECOND, Sample
 from robophm.design.identities import identities
 from robophm.design.robot import Robot
+from robophm.health.ledger_formats import VERSION, up_to_date
 from robophm.health.ledger_parts import TOTALS, DesignChange, brought_to, known_parts
 from robophm.health.wear_readings import WearCourse
 from robophm.health.window import Array, Window
@@ -283,7 +284,7 @@ class Ledger:
         """Return the ledger as plain values for JSON; floats come back bit for bit."""
         totals = {name: getattr(self, name) for name in ("age", "effective", "hazard", "clocks")}
         return {
-            "version": _VERSION,
+            "version": VERSION,
             "modes": list(self.modes),
             "odometers": list(self.odometers),
             "totals": {name: [total.high.tolist(), total.low.tolist()] for name, total in totals.items()},
@@ -310,7 +311,7 @@ class Ledger:
 
         Raises StoreError as ``from_json`` and ``brought_to``.
         """
-        data = brought_to(data, identities(robot))
+        data = brought_to(up_to_date(data), identities(robot))
         return cls.from_json(data, tuple(mode.key for mode in robot.modes), tuple(robot.clocks))
 
     @classmethod
@@ -319,8 +320,7 @@ class Ledger:
 
         Raises StoreError where it was kept for other failure modes or another version.
         """
-        if data.get("version") != _VERSION:
-            raise StoreError(f"ledger version {data.get('version')}; expected {_VERSION}")
+        data = up_to_date(data)
         kept = tuple(data["modes"])
         if set(kept) != set(modes):
             other = sorted(set(kept) ^ set(modes))
@@ -369,7 +369,6 @@ class Ledger:
         )
 
 
-_VERSION = 2
 _TIMES = ("started", "integrated_to", "newest", "heard", "off")
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass
 
 from robophm.core.errors import SourceError
@@ -53,12 +53,15 @@ def watch(
     Where there are both a store and a journal, what an earlier watch wrote to that journal and could not save any more
     is taken into the ledger first.
 
-    Raises SourceError as the source does, and where the ledger is ahead of the samples' time.
+    Raises SourceError as the source does, and where the ledger is ahead of the samples' time; StoreError where somebody
+    else goes on with the robot's past in that store.
     """
-    return _Watch(
-        robot=robot, source=source, store=store, journal=journal, period=period, sinks=sinks, task_topics=task_topics,
-        speed=speed, functions=functions, on_start=on_start, on_tick=on_tick, on_task=on_task, on_clock=on_clock,
-    ).run()  # fmt: skip
+    with store.alone(robot.identity) if store else nullcontext():
+        return _Watch(
+            robot=robot, source=source, store=store, journal=journal, period=period, sinks=sinks,
+            task_topics=task_topics, speed=speed, functions=functions, on_start=on_start, on_tick=on_tick,
+            on_task=on_task, on_clock=on_clock,
+        ).run()  # fmt: skip
 
 
 @dataclass(kw_only=True)

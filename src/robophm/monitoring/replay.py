@@ -7,6 +7,7 @@ import math
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -111,7 +112,18 @@ def replay_sessions(
     report_every: float | None = None,
     on_tick: Callable[[Monitor], None] | None = None,
 ) -> HealthReport:
-    """Return a robot's health after these sessions, as ``replay``. Raises SourceError as ``replay``."""
+    """Return a robot's health after these sessions, as ``replay``. Raises SourceError as ``replay``.
+
+    Raises StoreError where somebody else goes on with the robot's past in that store.
+    """
+    with store.alone(robot.identity) if store else nullcontext():
+        return _replayed(robot, sessions, store, period, report_every, on_tick)
+
+
+def _replayed(
+    robot: Robot, sessions: Sequence[RecordingSession], store: Store | None, period: float,
+    report_every: float | None, on_tick: Callable[[Monitor], None] | None,
+) -> HealthReport:  # fmt: skip
     ledger = kept_ledger(robot, store) if store else None
     step = round(report_every * SECOND) if report_every else _report_step(sessions) if store else REPORT_STEP
     decided: Counter[str] = Counter()

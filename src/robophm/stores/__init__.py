@@ -12,7 +12,7 @@ import os
 from robophm.core.argument_checks import shown
 from robophm.core.errors import RobophmError, StoreError
 from robophm.core.registry import load_class, plugs
-from robophm.stores.store import Store
+from robophm.stores.store import Restored, Store
 
 __all__ = ["Address", "Store", "existing_store", "open_store", "stores"]
 
@@ -53,6 +53,12 @@ def store_exists(address: Address) -> bool:
     """Whether there is a store, or what might be one, at this address."""
     kind, where = _kind_and_place(address)
     return kind.exists(where)
+
+
+def restore_store(address: Address) -> Restored | None:
+    """Make a damaged store anew, as far as it can be; None where it is not damaged. Raises StoreError."""
+    kind, where = _kind_and_place(address)
+    return kind.restore(where) if kind.exists(where) else None
 
 
 def place_of(address: Address) -> str:

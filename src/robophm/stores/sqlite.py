@@ -3,34 +3,25 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import sqlite3
 import time
+import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 from typing import Any
 
 from robophm.core.errors import StoreError
-from robophm.stores.store import Progress, Store
-
-VERSION = 2
-"""Version of the tables; kept in the file's user_version."""
+from robophm.core.single_writer import only_one
+from robophm.stores._checked_rows import DamagedError
+from robophm.stores._good_state import KEEP_EVERY, good_file, keep_good, make_anew
+from robophm.stores._tables import LEDGER, PROGRESS, REPORT, TABLES, bring_up_to_date, make_tables, version_of
+from robophm.stores.store import Progress, Restored, Store
 
 LONGEST_WAIT = 10.0
 """The most seconds to wait for others who write to the same store, or make it."""
-
-_TABLES = (
-    "CREATE TABLE ledger (robot TEXT PRIMARY KEY, revision INTEGER NOT NULL, state TEXT NOT NULL) STRICT",
-    """CREATE TABLE progress (
-    robot TEXT NOT NULL, recording TEXT NOT NULL, position INTEGER NOT NULL, complete INTEGER NOT NULL,
-    notes TEXT NOT NULL,
-    PRIMARY KEY (robot, recording)
-) STRICT""",
-    """CREATE TABLE report (
-    robot TEXT NOT NULL, time INTEGER NOT NULL, body TEXT NOT NULL, PRIMARY KEY (robot, time)
-) STRICT, WITHOUT ROWID""",
-)
 
 
 class SqliteStore(Store):
@@ -39,6 +30,8 @@ class SqliteStore(Store):
     def __init__(self, where: str | os.PathLike[str]) -> None:
         """Open a file, or make it. Raises StoreError where it is not a store of this version."""
         self.path = Path(where)
+        self._good_at: float | None = None
+        """When the good state beside it was kept, on the clock of ``time.monotonic``; None: nothing was saved yet."""
         self._revisions: dict[str, int] = {}  # of the ledgers that were read: who saves later must have read that one
         with self._errors():
             self._base = sqlite3.connect(self.path, timeout=LONGEST_WAIT, isolation_level=None)
@@ -59,9 +52,7 @@ class SqliteStore(Store):
                 if "locked" not in str(error) or time.monotonic() > until:
                     raise
                 time.sleep(0.01)
-        version = self._base.execute("PRAGMA user_version").fetchone()[0]
-        if version != VERSION:
-            raise StoreError(f"{self.path}: not a robophm store of version {VERSION} (its version is {version})")
+        bring_up_to_date(self._base, self.path)
         self._base.execute("PRAGMA synchronous = FULL")
 
     def _make(self) -> None:
@@ -72,42 +63,51 @@ class SqliteStore(Store):
         self._base.execute("BEGIN IMMEDIATE")
         try:
             if self._is_empty():  # nobody else has made them meanwhile
-                for table in _TABLES:
-                    self._base.execute(table)
-                self._base.execute(f"PRAGMA user_version = {VERSION}")
+                make_tables(self._base)
             self._base.execute("COMMIT")
         except BaseException:
             self._base.execute("ROLLBACK")
             raise
 
     def _is_empty(self) -> bool:
-        version = self._base.execute("PRAGMA user_version").fetchone()[0]
-        return not version and not self._base.execute("SELECT count(*) FROM sqlite_schema").fetchone()[0]
+        return not version_of(self._base) and not self._base.execute("SELECT count(*) FROM sqlite_schema").fetchone()[0]
+
+    @classmethod
+    def restore(cls, where: str) -> Restored | None:
+        """Make a damaged store anew of what is sound in it, and of the last good state; None where it is not damaged.
+
+        Raises StoreError where there is nothing to make it of, or it cannot be written.
+        """
+        try:
+            return make_anew(Path(where))
+        except (sqlite3.Error, UnicodeError, OSError) as error:
+            raise StoreError(f"{where}: {error}; expected a robophm store that can be read and written") from None
 
     def ledger(self, robot: str) -> Mapping[str, Any] | None:
         """Return the robot's ledger as it was saved, or None. Raises StoreError where it cannot be read."""
         with self._errors():
-            query = "SELECT revision, state FROM ledger WHERE robot = ?"
-            row = self._base.execute(query, (robot,)).fetchone()
+            for table in TABLES:
+                table.check(self._base, robot)
+            row = LEDGER.get(self._base, robot)
             self._revisions[robot] = row[0] if row else 0
             return json.loads(row[1]) if row else None
 
     def robots(self) -> list[str]:
         """Return the names of the robots whose ledgers are kept, sorted. Raises StoreError."""
         with self._errors():
-            return [name for (name,) in self._base.execute("SELECT robot FROM ledger ORDER BY robot")]
+            return LEDGER.robots(self._base)
 
     def progress(self, robot: str, recording: str) -> Progress:
         """Return how far a recording has been replayed into this robot's ledger."""
         with self._errors():
-            query = "SELECT position, complete, notes FROM progress WHERE robot = ? AND recording = ?"
-            row = self._base.execute(query, (robot, recording)).fetchone()
+            row = PROGRESS.get(self._base, robot, recording)
         return Progress(recording, row[0], bool(row[1]), json.loads(row[2])) if row else Progress(recording)
 
     def history(self, robot: str) -> Iterator[Mapping[str, Any]]:
         """Yield the robot's reports, oldest first."""
         with self._errors():
-            for (body,) in self._base.execute("SELECT body FROM report WHERE robot = ? ORDER BY time", (robot,)):
+            REPORT.check(self._base, robot)
+            for _, body in REPORT.rows(self._base, robot):
                 yield json.loads(body)
 
     def save(
@@ -119,6 +119,20 @@ class SqliteStore(Store):
     ) -> None:
         """Keep all of it, or none. Raises StoreError, as on a full disk or after somebody else's save."""
         self._save(robot, ledger, progress, reports, None)
+
+    @contextmanager
+    def alone(self, robot: str) -> Iterator[None]:
+        """Be the only one who goes on with a robot's past, as long as the context lasts. Raises StoreError if not."""
+        place = self.path.with_name(f"{self.path.name}.{zlib.crc32(robot.encode()):08x}.lock")
+        with ExitStack() as stack:
+            with self._errors():
+                other = stack.enter_context(only_one(place))
+            if other is not None:
+                raise StoreError(
+                    f"{self.path}: process {other} goes on with the past of {robot}; expected one at a time: end that "
+                    "one, or use another store"
+                )
+            yield
 
     def bring_back(self, robot: str, ledger: Mapping[str, Any], time: int) -> None:
         """Keep a ledger that was brought back to a time [ns], and no report of a later one. Raises StoreError."""
@@ -135,37 +149,45 @@ class SqliteStore(Store):
         self, robot: str, ledger: Mapping[str, Any], progress: Iterable[Progress], reports: Sequence[Mapping[str, Any]],
         last: int | None,
     ) -> None:  # fmt: skip
-        rows = [(robot, report["time"], json.dumps(report)) for report in reports]
-        done = [(robot, *one[:3], json.dumps(one.notes)) for one in progress]
+        rows = [(report["time"], json.dumps(report)) for report in reports]
+        done = [(one.recording, one.position, int(one.complete), json.dumps(one.notes)) for one in progress]
         with self._errors():
             self._base.execute("BEGIN IMMEDIATE")
             try:
-                row = self._base.execute("SELECT revision FROM ledger WHERE robot = ?", (robot,)).fetchone()
+                row = LEDGER.get(self._base, robot)
                 revision = row[0] if row else 0
                 if self._revisions.get(robot, revision) != revision:
                     raise StoreError(
                         f"{self.path}: another process has gone on with {robot}; nothing was saved over it"
                     )
-                values = robot, revision + 1, json.dumps(ledger)
-                self._base.execute("INSERT OR REPLACE INTO ledger VALUES (?, ?, ?)", values)
-                self._base.executemany("INSERT OR REPLACE INTO progress VALUES (?, ?, ?, ?, ?)", done)
+                LEDGER.put(self._base, robot, [(revision + 1, json.dumps(ledger))])
+                PROGRESS.put(self._base, robot, done)
                 if last is not None:
-                    self._base.execute("DELETE FROM report WHERE robot = ? AND time > ?", (robot, last))
-                self._base.executemany("INSERT OR REPLACE INTO report VALUES (?, ?, ?)", rows)
+                    REPORT.drop_after(self._base, robot, last)
+                REPORT.put(self._base, robot, rows)
                 self._base.execute("COMMIT")
                 self._revisions[robot] = revision + 1
             except BaseException:
                 if self._base.in_transaction:  # a full disk may have rolled back already
                     self._base.execute("ROLLBACK")
                 raise
+        if time.monotonic() - (self._good_at or -math.inf) > KEEP_EVERY:
+            if self._good_at is not None or not good_file(self.path).exists():
+                keep_good(self.path, self._base)
+            self._good_at = time.monotonic()
 
     def close(self) -> None:
         """Close the file; closing twice does no harm."""
+        if self._good_at is not None:
+            keep_good(self.path, self._base)
+            self._good_at = None
         self._base.close()
 
     @contextmanager
     def _errors(self) -> Iterator[None]:
         try:
             yield
-        except (sqlite3.Error, json.JSONDecodeError) as error:
+        except DamagedError as error:
+            raise StoreError(f"{self.path}: {error}; robophm store repair goes back to the last good state") from None
+        except (sqlite3.Error, UnicodeError, OSError, json.JSONDecodeError) as error:
             raise StoreError(f"{self.path}: {error}; expected a robophm store that can be read and written") from None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
@@ -23,6 +24,15 @@ class Progress(NamedTuple):
     """Notes on what had to be decided so far, and how often."""
 
 
+class Restored(NamedTuple):
+    """A store that was damaged, and was made anew."""
+
+    said: tuple[str, ...]
+    """What of it is not as it was, as sentences without their point."""
+    copy: Path
+    """The damaged store, which was kept."""
+
+
 class Store(ABC):
     """The pasts of robots, kept by their names."""
 
@@ -34,6 +44,11 @@ class Store(ABC):
     def exists(cls, where: str) -> bool:
         """Whether there is something at this place; else what is opened there is new."""
         return Path(where).exists()
+
+    @classmethod
+    def restore(cls, where: str) -> Restored | None:
+        """Make what is damaged at this place anew, as far as it can be; None where nothing is. Raises StoreError."""
+        return None
 
     @abstractmethod
     def ledger(self, robot: str) -> Mapping[str, Any] | None:
@@ -63,6 +78,11 @@ class Store(ABC):
 
         Raises StoreError, also where the ledger has been saved by somebody else since this store read it.
         """
+
+    @contextmanager
+    def alone(self, robot: str) -> Iterator[None]:
+        """Be the only one who goes on with a robot's past, as long as the context lasts. Raises StoreError if not."""
+        yield
 
     def bring_back(self, robot: str, ledger: Mapping[str, Any], time: int) -> None:
         """Keep a ledger that was brought back to a time [ns], and no report of a later one. Raises StoreError."""

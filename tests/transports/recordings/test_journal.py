@@ -106,7 +106,40 @@ def test_errors(tmp_path: Path) -> None:
             Journal(tmp_path / "new.journal", [bad])
     with Journal(tmp_path / "new.journal", [A]) as journal:
         journal.write(RUN[0])
-    with (tmp_path / "new.journal").open("a") as file:
-        file.write(f"7 x {A}\n8 1.0 {A}\n")
-    with pytest.raises(SourceError, match="line 4: damaged"):
-        read(tmp_path / "new.journal")
+
+
+@pytest.mark.parametrize("size", [7, 300, 3 << 20])
+def test_holes_are_read_around_and_named(tmp_path: Path, size: int) -> None:
+    """Blocks that were not on the disk when power was cut are zeros, wherever they begin."""
+    path = tmp_path / "run.journal"
+    run = [Sample(number, (A, B)[number % 2], number / 7) for number in range(400)]
+    with Journal(path, [A, B]) as journal:
+        for sample in run:
+            journal.write(sample)
+    whole = path.read_bytes()
+    begin = len(whole) // 3
+    there = whole[:begin] + bytes(size) + whole[begin + (size if size < 1 << 20 else 0) :]
+    path.write_bytes(there)
+    lines = {line + b"\n" for line in there.split(b"\n") if b"\0" not in line}
+    kept = [one for one in run if f"{one.time} {one.value!r} {one.signal}\n".encode() in lines]
+    assert 350 < len(kept) < 400
+    source = JournalRecording(path)
+    assert list(source.samples([A, B])) == kept
+    (note,) = source.notes
+    assert note.startswith("damaged at line 1")
+    assert note.endswith(", read on behind it")
+    with Journal(path, [A, B]) as journal:
+        assert list(journal.since(0)) == kept
+    assert path.read_bytes().endswith(b"# gap not listening\n# gap damaged lines before\n")
+
+
+def test_one_process_at_a_time_writes_a_journal(tmp_path: Path) -> None:
+    path = tmp_path / "run.journal"
+    with Journal(path, [A]) as journal:
+        journal.write(RUN[0])
+        journal.sync()
+        before = path.read_bytes()
+        with pytest.raises(SourceError, match="another process writes this journal; expected one at a time"):
+            Journal(path, [B])
+        assert path.read_bytes() == before
+    Journal(path, [B]).close()

@@ -11,27 +11,34 @@
 
 Every line is time [ns], value as Python's repr, signal. A line without its end was torn by a crash and does
 not count. The signals that the run listened to are named, since one that never spoke is part of the run too. A gap is
-where a live source did not hear something, or may not have: of a topic, or of all where a later run begins.
+where a live source did not hear something, or may not have: of a topic, or of all where a later run begins. Lines that
+cannot be read, as where power was cut while the system wrote blocks out of order, are named and read around.
 """
 
 from __future__ import annotations
 
 import os
 from collections.abc import Collection, Iterator
+from functools import cached_property
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from robophm.core.errors import SourceError
+from robophm.core.files import sync_folder
 from robophm.core.signal import CLOCK, Sample, split_signal
-from robophm.transports.recordings.files import existing
-from robophm.transports.recordings.text import TextSource
+from robophm.core.single_writer import lock
+from robophm.transports.recordings.files import existing, reading
+from robophm.transports.recordings.text import LONGEST_LINE, TextSource
 
 TITLE = b"# robophm journal 1\n"
 """The first line of a journal."""
 
 _BUFFERED = 1 << 18
 """Bytes of lines that may wait to go to the operating system: no more is asked of it than is said below."""
+
+MOST_NAMED = 20
+"""Damaged stretches of a journal that are named by their line."""
 
 _SIGNAL = "# signal "
 _GAP = "# gap "
@@ -43,7 +50,7 @@ class Journal:
     Lines go to the operating system with every clock sample and every ``flush_every`` samples, to the disk by
     ``sync()`` and ``close()``. A line that an earlier crash tore is cut off first.
 
-    Raises SourceError where the file is there and is no journal, or a signal is no signal.
+    Raises SourceError where the file is there and is no journal, another process writes it, or a signal is no signal.
     """
 
     def __init__(self, path: str | Path, signals: Collection[str] = (), flush_every: int = 2000) -> None:
@@ -51,7 +58,17 @@ class Journal:
         self._flush_every = flush_every
         self._unflushed = 0
         self._known = {CLOCK}
-        if self.path.exists() and self.path.stat().st_size:
+        self._file = self.path.open("a", _BUFFERED, encoding="utf-8", newline="\n")
+        try:
+            self._begin(signals)
+        except BaseException:
+            self._file.close()
+            raise
+
+    def _begin(self, signals: Collection[str]) -> None:
+        if not lock(self._file):
+            raise SourceError(f"{self.path}: another process writes this journal; expected one at a time")
+        if self.path.stat().st_size:
             before = JournalRecording(self.path)
             self._known |= before.signals
             _cut_torn_line(self.path)
@@ -59,15 +76,11 @@ class Journal:
             title = f"{_GAP}not listening\n" if spoken else ""
         else:
             title = TITLE.decode()
-        self._file = self.path.open("a", _BUFFERED, encoding="utf-8", newline="\n")
         self._file.write(title)
-        try:
-            for signal in sorted(signals):
-                self._know(signal)
-            self.sync()
-        except BaseException:
-            self._file.close()
-            raise
+        for signal in sorted(signals):
+            self._know(signal)
+        self.sync()
+        sync_folder(self.path.parent)
 
     def _know(self, signal: str) -> None:
         if signal in self._known:
@@ -103,10 +116,17 @@ class Journal:
         self.sync()
         recording = JournalRecording(self.path)
         read = 0
-        for number, line in recording._lines():
+        damaged = False
+        for _, line in recording._lines():
             read += len(line)
-            if read > position and not line.startswith(b"#"):
-                yield recording._sample(number, line)
+            if read <= position or line.startswith(b"#"):
+                continue
+            if sample := recording.sample_of(line):
+                yield sample
+            else:
+                damaged = True
+        if damaged:
+            self._file.write(f"{_GAP}damaged lines before\n")
 
     def sync(self) -> None:
         """Return when all that was written is on the disk."""
@@ -134,7 +154,7 @@ class Journal:
 class JournalRecording(TextSource):
     """The samples of a journal in the order of their writing, clock samples among them.
 
-    Raises SourceError, with the line, where the file is not a journal.
+    Lines that are none are left out and noted, as holes. Raises SourceError where the file is not a journal.
     """
 
     ends = False  # its clock samples say how long the robot was listened to
@@ -146,21 +166,41 @@ class JournalRecording(TextSource):
         names = (line[len(mark) :] for _, line in self._lines() if line.startswith(mark) and line.endswith(b"\n"))
         return frozenset(name.decode(errors="replace").rstrip("\n") for name in names)
 
+    def _lines(self) -> Iterator[tuple[int, bytes]]:
+        """Number and bytes of every line, its end included; what has no end for long comes in pieces."""
+        with reading(self.path), self.path.open("rb") as file:
+            yield from enumerate(iter(lambda: file.readline(LONGEST_LINE), b""), 1)
+
     def _samples(self) -> Iterator[Sample]:
+        before, holes = -1, 0
         for number, line in self._lines():
-            if not line.endswith(b"\n"):
-                self.notes["torn last line ignored"] += 1
-            elif not line.startswith(b"#"):
-                yield self._sample(number, line)
+            if sample := self.sample_of(line):
+                yield sample
             elif line.startswith(_GAP.encode()):
                 self.notes["gap in what was heard"] += 1
+            elif not line.endswith(b"\n") and len(line) < LONGEST_LINE:
+                self.notes["torn last line ignored"] += 1
+            elif not line.startswith(b"#"):
+                if before != number - 1:
+                    holes += 1
+                    where = f"damaged at line {number}" if holes <= MOST_NAMED else "damaged further on"
+                    self.notes[f"{where}, read on behind it"] += 1
+                before = number
 
-    def _sample(self, number: int, line: bytes) -> Sample:
+    def sample_of(self, line: bytes) -> Sample | None:
+        """Return the sample of a line; None where it has none, as of a line that a cut of power left half written."""
+        if line.startswith(b"#") or not line.endswith(b"\n"):
+            return None
         try:
             time, value, signal = line.decode().rstrip("\n").split(" ", 2)
-            return Sample(int(time), signal, float(value))
+            sample = Sample(int(time), signal, float(value))
         except ValueError:
-            raise SourceError(f"{self.path}, line {number}: damaged; expected 'time value signal'") from None
+            return None
+        return sample if sample.signal in self._known_signals else None
+
+    @cached_property
+    def _known_signals(self) -> frozenset[str]:
+        return self.signals | {CLOCK}
 
 
 def _cut_torn_line(path: Path) -> None:

@@ -1,0 +1,123 @@
+"""Tables whose rows bear checksums, and of which it is known what rows there are: what is read is what was written."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+import zlib
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+from robophm.core.errors import StoreError
+
+CONTENT = (
+    "CREATE TABLE content (part TEXT NOT NULL, robot TEXT NOT NULL, rows INTEGER NOT NULL, sums INTEGER NOT NULL, "
+    "PRIMARY KEY (part, robot)) STRICT"
+)
+"""The table of what there is: how many rows of a robot each table has, and all their checksums together."""
+
+
+class DamagedError(StoreError):
+    """What was read is not what was written."""
+
+
+class CheckedTable(NamedTuple):
+    """A table of rows by robot and key, in the order of the key."""
+
+    name: str
+    key: tuple[str, ...]
+    """Names and types of the columns beside the robot by which a row is found."""
+    values: tuple[str, ...]
+    """Names and types of the other columns."""
+
+    @property
+    def statement(self) -> str:
+        """Return the SQL that makes it. Checksums come before values, which are long."""
+        columns = [*self.key, "sum INTEGER", *self.values]
+        names = ", ".join(["robot", *_names(self.key)])
+        made = ", ".join(f"{column} NOT NULL" for column in ("robot TEXT", *columns))
+        return f"CREATE TABLE {self.name} ({made}, PRIMARY KEY ({names})) STRICT, WITHOUT ROWID"
+
+    def get(self, base: sqlite3.Connection, robot: str, *key: Any) -> tuple[Any, ...] | None:
+        """Return the values of a row, or None. Raises DamagedError where they are not those that were written."""
+        where = " AND ".join(f"{name} = ?" for name in ("robot", *_names(self.key)))
+        found = base.execute(f"SELECT sum, {self._values} FROM {self.name} WHERE {where}", (robot, *key)).fetchone()
+        if found is None:
+            return None
+        return self._sound(robot, key, found[0], found[1:])
+
+    def rows(self, base: sqlite3.Connection, robot: str) -> Iterator[tuple[Any, ...]]:
+        """Yield keys and values of a robot's rows in the order of the key. Raises DamagedError as ``get``."""
+        names = ", ".join([*_names(self.key), "sum"])
+        query = f"SELECT {names}, {self._values} FROM {self.name} WHERE robot = ? ORDER BY {names}"
+        n = len(self.key)
+        for row in base.execute(query, (robot,)):
+            yield (*row[:n], *self._sound(robot, row[:n], row[n], row[n + 1 :]))
+
+    def put(self, base: sqlite3.Connection, robot: str, rows: Iterable[Sequence[Any]]) -> None:
+        """Keep rows, each a key and values, in the place of those with the same keys; within a transaction."""
+        n = len(self.key)
+        count, sums = self._known(base, robot)
+        where = " AND ".join(f"{name} = ?" for name in ("robot", *_names(self.key)))
+        marks = ", ".join("?" * (n + 2 + len(self.values)))
+        for row in rows:
+            key, values = row[:n], row[n:]
+            before = base.execute(f"SELECT sum FROM {self.name} WHERE {where}", (robot, *key)).fetchone()
+            new = _checksum(self.name, robot, key, values)
+            base.execute(f"INSERT OR REPLACE INTO {self.name} VALUES ({marks})", (robot, *key, new, *values))
+            count, sums = count + (before is None), sums ^ new ^ (before[0] if before else 0)
+        self._know(base, robot, count, sums)
+
+    def drop_after(self, base: sqlite3.Connection, robot: str, last: Any) -> None:
+        """Let go of a robot's rows whose key is greater; within a transaction."""
+        (name,) = _names(self.key)
+        base.execute(f"DELETE FROM {self.name} WHERE robot = ? AND {name} > ?", (robot, last))
+        self._know(base, robot, *self._there(base, robot))
+
+    def check(self, base: sqlite3.Connection, robot: str) -> None:
+        """Raise DamagedError where a robot's rows are not those that were written, as far as their sums tell."""
+        if self._known(base, robot) != self._there(base, robot):
+            raise DamagedError(f"the {self.name} of {robot} is damaged: it has not the rows that were written")
+
+    def robots(self, base: sqlite3.Connection) -> list[str]:
+        """Return the robots that have rows, sorted. Raises DamagedError where they are not those that were written."""
+        there = [one for (one,) in base.execute(f"SELECT DISTINCT robot FROM {self.name} ORDER BY robot")]
+        query = "SELECT robot FROM content WHERE part = ? AND rows > 0 ORDER BY robot"
+        if there != [one for (one,) in base.execute(query, (self.name,))]:
+            raise DamagedError(f"the names of robots in its {self.name} are damaged")
+        return there
+
+    @property
+    def _values(self) -> str:
+        return ", ".join(_names(self.values))
+
+    def _sound(self, robot: str, key: Sequence[Any], known: int, values: tuple[Any, ...]) -> tuple[Any, ...]:
+        try:
+            sound = _checksum(self.name, robot, key, values) == known
+        except TypeError:  # what was a text is none any more
+            sound = False
+        if not sound:
+            which = " ".join(str(one) for one in key)
+            raise DamagedError(f"the {self.name}{which and ' ' + which} of {robot} is damaged: its checksum is another")
+        return values
+
+    def _there(self, base: sqlite3.Connection, robot: str) -> tuple[int, int]:
+        count = sums = 0
+        for (one,) in base.execute(f"SELECT sum FROM {self.name} WHERE robot = ?", (robot,)):
+            count, sums = count + 1, sums ^ one
+        return count, sums
+
+    def _known(self, base: sqlite3.Connection, robot: str) -> tuple[int, int]:
+        query = "SELECT rows, sums FROM content WHERE part = ? AND robot = ?"
+        return base.execute(query, (self.name, robot)).fetchone() or (0, 0)
+
+    def _know(self, base: sqlite3.Connection, robot: str, count: int, sums: int) -> None:
+        base.execute("INSERT OR REPLACE INTO content VALUES (?, ?, ?, ?)", (self.name, robot, count, sums))
+
+
+def _names(columns: Iterable[str]) -> list[str]:
+    return [column.split()[0] for column in columns]
+
+
+def _checksum(*said: Any) -> int:
+    return zlib.crc32(json.dumps(said).encode())

@@ -1,0 +1,135 @@
+"""The last good state of a store, kept in a file beside it, and the store made anew where it is damaged."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+import zlib
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing, suppress
+from pathlib import Path
+from typing import Any
+
+from robophm.core.errors import StoreError
+from robophm.core.files import sync_folder, write_atomically
+from robophm.stores._tables import LEDGER, PROGRESS, REPORT, TABLES, make_tables
+from robophm.stores.store import Restored
+
+KEEP_EVERY = 3600.0
+"""Seconds between two good states that are kept of a store that is open."""
+
+Rows = Mapping[str, Sequence[Sequence[Any]]]
+"""Keys and values of rows of a robot, by table."""
+
+
+def good_file(path: Path) -> Path:
+    """Return where the good state of a store is kept."""
+    return path.with_name(f"{path.name}.good")
+
+
+def keep_good(path: Path, base: sqlite3.Connection) -> None:
+    """Keep ledgers and progress, which are sound, beside the store; what was kept before stays where that fails."""
+    with suppress(OSError, sqlite3.Error, StoreError, UnicodeError):
+        robots = {robot: _sound(base, robot) for robot in LEDGER.robots(base)}
+        text = json.dumps(robots)
+        write_atomically(good_file(path), f"{zlib.crc32(text.encode()):08x}\n{text}\n")
+
+
+def make_anew(path: Path) -> Restored | None:
+    """Make a store anew of all that is sound in it, and of the good state beside it; None where all of it is sound.
+
+    The damaged one is kept. Raises StoreError where there is nothing to make it of, or it cannot be written.
+    """
+    with closing(sqlite3.connect(path, isolation_level=None)) as base:
+        if _is_sound(base):
+            return None
+        good = _read_good(path)
+        robots = {*good, *_robots(base)}
+        found: dict[str, Rows] = {}
+        said: list[str] = []
+        for robot in sorted(robots):
+            try:
+                found[robot] = _sound(base, robot)
+            except (sqlite3.Error, StoreError, ValueError):
+                if robot not in good:
+                    said.append(f"the past of {robot} is lost: no good state of it was kept")
+                    continue
+                found[robot] = good[robot]
+                said.append(f"the past of {robot} is that of the last good state")
+        reports = {robot: list(_reports(base, robot)) for robot in found}
+    if not found:
+        raise StoreError(f"{path}: damaged, and no good state was kept beside it in {good_file(path).name}")
+    copy, new = path.with_name(f"{path.name}.damaged"), path.with_name(f"{path.name}.anew")
+    if copy.exists():
+        raise StoreError(f"{copy}: exists; expected no such file, to keep the damaged store in")
+    new.unlink(missing_ok=True)
+    with closing(sqlite3.connect(new, isolation_level=None)) as base:
+        base.execute("PRAGMA journal_mode = WAL")
+        base.execute("BEGIN IMMEDIATE")
+        make_tables(base)
+        for robot, rows in found.items():
+            for table in (LEDGER, PROGRESS):
+                table.put(base, robot, rows[table.name])
+            REPORT.put(base, robot, reports[robot])
+        base.execute("COMMIT")
+    for end in ("", "-wal", "-shm"):
+        with suppress(FileNotFoundError):
+            Path(f"{path}{end}").rename(f"{copy}{end}")
+    new.rename(path)
+    sync_folder(path.parent)
+    return Restored(tuple(said) or ("what is damaged of its reports is lost",), copy)
+
+
+def _is_sound(base: sqlite3.Connection) -> bool:
+    try:
+        if base.execute("PRAGMA integrity_check(1)").fetchone() != ("ok",):
+            return False
+        for robot in LEDGER.robots(base):
+            for table in TABLES:
+                table.check(base, robot)
+                for _ in table.rows(base, robot):
+                    pass
+    except (sqlite3.Error, StoreError, ValueError):
+        return False
+    return True
+
+
+def _sound(base: sqlite3.Connection, robot: str) -> Rows:
+    for table in (LEDGER, PROGRESS):
+        table.check(base, robot)
+    return {table.name: [*table.rows(base, robot)] for table in (LEDGER, PROGRESS)}
+
+
+def _robots(base: sqlite3.Connection) -> set[str]:
+    """The robots that the store seems to have, as far as it can be read."""
+    found: set[str] = set()
+    for table in ("content", *(table.name for table in TABLES)):
+        with suppress(sqlite3.Error, UnicodeError):
+            found.update(name for (name,) in base.execute(f"SELECT DISTINCT robot FROM {table}"))
+    return {one for one in found if isinstance(one, str)}
+
+
+def _reports(base: sqlite3.Connection, robot: str) -> Iterator[tuple[Any, ...]]:
+    """The reports that are sound, from both ends as far as they can be reached."""
+    times: set[int] = set()
+    for order in ("ASC", "DESC"):
+        with suppress(sqlite3.Error, UnicodeError):
+            times.update(
+                t for (t,) in base.execute(f"SELECT time FROM report WHERE robot = ? ORDER BY time {order}", (robot,))
+            )
+    for time in sorted(times):
+        with suppress(sqlite3.Error, StoreError, UnicodeError):
+            if row := REPORT.get(base, robot, time):
+                yield time, *row
+
+
+def _read_good(path: Path) -> dict[str, Rows]:
+    try:
+        told, _, text = good_file(path).read_text("utf-8").partition("\n")
+        text = text.removesuffix("\n")
+        if told == f"{zlib.crc32(text.encode()):08x}":
+            robots: dict[str, Rows] = json.loads(text)
+            return robots
+    except (OSError, ValueError):
+        pass
+    return {}

@@ -1,0 +1,125 @@
+"""A flipped bit in a store changes nothing that is read without a word, and the last good state is to be had again."""
+
+from __future__ import annotations
+
+import json
+import random
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from robophm.core.errors import StoreError
+from robophm.stores import restore_store
+from robophm.stores.sqlite import SqliteStore
+from robophm.stores.store import Progress
+
+ROBOTS = ("R", "Rover 2")
+
+
+def content(path: Path) -> dict[str, Any]:
+    """All that can be read of a store."""
+    with SqliteStore(path) as store:
+        return {
+            robot: [
+                store.ledger(robot), store.progress(robot, "drive"), store.progress(robot, "other"),
+                list(store.history(robot)),
+            ]
+            for robot in (*store.robots(), *ROBOTS)
+        }  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A store of two robots, of several pages, whose good state is that of before its last report."""
+    path = tmp_path_factory.mktemp("sound") / "past.db"
+    chance = random.Random(5)
+    for round_ in range(3):
+        with SqliteStore(path) as store:
+            for robot in ROBOTS:
+                state = {"age": [chance.random() for _ in range(60)], "round": round_}
+                done = [Progress("drive", round_, round_ > 1), Progress("other", 10**18 + round_, True, {"a note": 2})]
+                reports = [{"time": 100 * round_ + i, "rates": [chance.random() for _ in range(40)]} for i in range(8)]
+                store.save(robot, state, done, reports)
+    return path
+
+
+def flipped(sound: Path, folder: Path, seed: int) -> Path:
+    """A copy of the store, and of what was kept beside it, with one bit of the store flipped."""
+    path = folder / "past.db"
+    raw = bytearray(sound.read_bytes())
+    place = random.Random(seed).randrange(8 * len(raw))
+    raw[place // 8] ^= 1 << place % 8
+    path.write_bytes(raw)
+    for end in ("-wal", "-shm", ".damaged", ".anew"):
+        Path(f"{path}{end}").unlink(missing_ok=True)
+    shutil.copy(f"{sound}.good", f"{path}.good")
+    return path
+
+
+def content_or_error(path: Path) -> dict[str, Any] | str:
+    try:
+        return content(path)
+    except StoreError as error:
+        return str(error)
+
+
+def judge(sound: Path, folder: Path, seeds: range, restore: int = 1) -> dict[str, int]:
+    """How many flips changed nothing, and how many were said; none may be silent, and each past is had again.
+
+    ``restore``: of so many that are said one is made anew.
+    """
+    good, counts = content(sound), {"nothing": 0, "said": 0}
+    ledgers = {robot: good[robot][:3] for robot in ROBOTS}
+    for seed in seeds:
+        path = flipped(sound, folder, seed)
+        read = content_or_error(path)
+        if isinstance(read, dict):
+            assert json.dumps(read) == json.dumps(good), f"seed {seed} changed what is read, and nobody said so"
+            counts["nothing"] += 1
+            continue
+        assert "\n" not in read, seed
+        counts["said"] += 1
+        if counts["said"] % restore == 0:
+            assert restore_store(path), (seed, read)
+            now = content(path)
+            assert {robot: now[robot][:3] for robot in ROBOTS} == ledgers, (seed, read)
+            for robot in ROBOTS:
+                assert [one for one in now[robot][3] if one not in good[robot][3]] == [], seed
+    return counts
+
+
+def test_flipped_bits_are_found_and_the_last_good_state_comes_back(sound: Path, tmp_path: Path) -> None:
+    counts = judge(sound, tmp_path, range(250), restore=10)
+    assert counts["said"] > 100
+    assert sum(counts.values()) == 250
+
+
+@pytest.mark.full
+def test_six_thousand_flipped_bits(sound: Path, tmp_path: Path) -> None:
+    counts = judge(sound, tmp_path, range(1000, 7000))
+    print(counts)
+    assert counts["said"] > 3000
+
+
+def test_a_sound_store_is_left_alone(sound: Path) -> None:
+    before = sound.read_bytes()
+    assert restore_store(sound) is None
+    assert sound.read_bytes() == before
+
+
+def test_a_damaged_store_without_a_good_state_is_refused(sound: Path, tmp_path: Path) -> None:
+    path = tmp_path / "past.db"
+    path.write_bytes(b"0" * 100 + sound.read_bytes()[100:])
+    raw = path.read_bytes()
+    with pytest.raises(StoreError, match=r"damaged, and no good state was kept beside it in past\.db\.good"):
+        restore_store(path)
+    assert path.read_bytes() == raw
+    shutil.copy(f"{sound}.good", f"{path}.good")
+    done = restore_store(path)
+    assert done
+    assert done.copy.read_bytes() == raw
+    assert {robot: some[:3] for robot, some in content(path).items()} == {
+        robot: some[:3] for robot, some in content(sound).items()
+    }
