@@ -378,7 +378,7 @@ class BagFile(ChunkedFile):
             times += [int(found["time"].min()), int(found["time"].max())] if len(found) else []
         chunk = chunk._replace(first=min(times, default=0), last=max(times, default=MOST_TIME))
         indexed = chunk._replace(indices=dict.fromkeys(connections, chunk.end))
-        return indexed if connections and self.covered(indexed) else chunk._replace(indices=None)
+        return indexed if connections and self._covered(indexed) else chunk._replace(indices=None)
 
     def _cut(self, position: int) -> None:
         """The record at the end is not whole: of a chunk the messages before its end are still there."""

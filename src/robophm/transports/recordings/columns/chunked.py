@@ -386,7 +386,7 @@ class ChunkedFile(MappedFile):
             for connection, index in self.entries(chunk, wanted).items()
         ]
 
-    def covered(self, chunk: Chunk) -> bool:
+    def _covered(self, chunk: Chunk) -> bool:
         """Whether a chunk's index speaks of all messages in it: but definitions are between those.
 
         Where nothing else says of which connections it has messages, an index that is another's would hide them.

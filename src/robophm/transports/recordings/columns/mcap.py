@@ -405,7 +405,7 @@ class McapFile(ChunkedFile):
         self._odd = odd
         self._note_odd(self._loose, len(MAGIC))
         for number, chunk in enumerate(self.chunks):
-            if chunk.indices and not self.covered(chunk):
+            if chunk.indices and not self._covered(chunk):
                 self.chunks[number] = chunk._replace(indices=None)
         sound = {topic for schema, topic, _ in self._channels.values() if schema in self._schemas}
         for id_, (schema, topic, _) in [*self._channels.items()]:
