@@ -75,6 +75,8 @@ class Run:
     """The explanation of the health of ``lives``."""
     ledger: Ledger | None = None
     """Settled ledger of the latest report; nobody changes it."""
+    heard: Mapping[str, int | None] = field(default_factory=dict)
+    """The time [ns] of each signal's last valid value, in this run or before it, as of the latest report."""
     samples: int = 0
     notes: Mapping[str, int] = field(default_factory=dict)
     tasks: Callable[[], list[TaskRecord]] = list
@@ -307,7 +309,7 @@ class _Looking:
         self._wear.renew_soon(ledger)
         wear = self._wear.latest(ledger)
         report = health_report(monitor.plant, monitor.exposure, ledger, remaining_life=full, wear=wear)
-        run.ledger, run.report = ledger, report
+        run.ledger, run.report, run.heard = ledger, report, monitor.exposure.heard(ledger)
         if full:
             _ = report.failures_to_come  # here, so that whoever looks does not wait for it
             run.lives, run.why = report, explain(report)

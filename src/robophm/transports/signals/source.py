@@ -29,6 +29,8 @@ class TopicInfo:
     last: int | None
     fields: tuple[str, ...]
     """Paths of the numeric fields, ``pose.x``; of an array, ``effort[]``, a signal names one element."""
+    trouble: str = ""
+    """Why nothing of it can be heard now, as far as the source knows."""
 
     @property
     def rate(self) -> float | None:
