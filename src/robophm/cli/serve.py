@@ -113,7 +113,7 @@ def run(design: Path, wishes: Wishes) -> None:
         if service.workspace.begun:
             warn(f"{design}: no such file; the page begins a new robot, and saving makes the file")
         if wishes.start:
-            service.watch(wishes.start, wishes.speed)
+            service.keep_watching(wishes.start, wishes.speed)
         console().print(f"{design} is served at {address} until Ctrl+C", markup=False, soft_wrap=True)
         where = f"in {place_of(settings.store)}" if settings.store else "only until then"
         console().print(f"The robot's past is kept {where}", markup=False, soft_wrap=True)

@@ -6,10 +6,11 @@ import gc
 import signal
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack, nullcontext
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from threading import Timer
 from types import FrameType
 from typing import Annotated
 
@@ -25,6 +26,7 @@ from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.task_words import stated_speed
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.counted_notes import ordinary, said
+from robophm.core.supervisor import Supervisor
 from robophm.design.file import load
 from robophm.health.report import HealthReport, plain
 from robophm.health.unknown_rates import marked, marks
@@ -38,6 +40,9 @@ from robophm.transports.recordings.journal import Journal
 from robophm.transports.running_robot import open_live
 from robophm.transports.signals.report_sink import JudgedTask, ReportSink
 from robophm.transports.tasks.listener import topics_to_hear
+
+QUICK_END = 3.0
+"""The most seconds in which what was heard is taken after SIGTERM; what still waits then is let go of."""
 
 
 @dataclass(frozen=True)
@@ -101,6 +106,31 @@ def command(
         raise typer.Exit(BREACHED)
 
 
+@contextmanager
+def _ended_by_signals() -> Iterator[list[Callable[[], None]]]:
+    """Take SIGINT and SIGTERM as the wish to end what the list says, until all is let go of: a second time the next.
+
+    Who supervises does not want to wait either: after SIGTERM the second comes by itself.
+    """
+    ends: list[Callable[[], None]] = []
+    letting_go = Timer(QUICK_END, lambda: ends[-1]())
+    letting_go.daemon = True
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        if not ends:
+            raise KeyboardInterrupt
+        (ends.pop(0) if len(ends) > 1 else ends[0])()
+        if number == signal.SIGTERM and not letting_go.is_alive() and not letting_go.finished.is_set():
+            letting_go.start()
+
+    with ExitStack() as stack:
+        for number in (signal.SIGINT, signal.SIGTERM):  # heeded until all is let go of; then there is nothing to end
+            signal.signal(number, stop)
+            stack.callback(signal.signal, number, signal.SIG_IGN)
+        stack.callback(letting_go.cancel)
+        yield ends
+
+
 def run(design: Path, asked: Watched) -> bool:
     """Listen until SIGINT or SIGTERM; return whether a threshold is breached at the end."""
     _only(asked)
@@ -111,17 +141,9 @@ def run(design: Path, asked: Watched) -> bool:
     speed = stated_speed(asked.speed)
     for warning in robot.warnings:
         warn(warning)
-    ends: list[Callable[[], None]] = []
-
-    def stop(number: int, frame: FrameType | None) -> None:
-        if not ends:
-            raise KeyboardInterrupt
-        (ends.pop(0) if len(ends) > 1 else ends[0])()  # who asks again does not want to wait
-
+    supervisor = Supervisor()
     with ExitStack() as stack:
-        for number in (signal.SIGINT, signal.SIGTERM):  # heeded until all is let go of; then there is nothing to end
-            signal.signal(number, stop)
-            stack.callback(signal.signal, number, signal.SIG_IGN)
+        ends = stack.enter_context(_ended_by_signals())
         opened = open_live(asked.via, period=asked.period)
         source = stack.enter_context(opened.source)
         ends += [source.stop, source.close]
@@ -156,8 +178,9 @@ def run(design: Path, asked: Watched) -> bool:
             monitor = watch(
                 robot, source, store=kept, journal=written, period=asked.period, sinks=[*sinks, shown],
                 task_topics=topics_to_hear(asked.tasks, asked.namespace), speed=speed, functions=asked.functions,
-                on_clock=warn,
+                on_clock=warn, on_start=lambda _: supervisor.ready("watching"), on_tick=supervisor.alive,
             )  # fmt: skip
+        supervisor.ending()
         health = monitor.report(alarms=True)
         if asked.as_json:
             print_json(health.to_json(), one_of_many=True)

@@ -14,7 +14,7 @@ except ImportError:  # where there is none, nobody is kept out
     fcntl = None  # type: ignore[assignment]
 
 
-def lock(stream: IO[str]) -> bool:
+def lock(stream: IO[str] | IO[bytes]) -> bool:
     """Lock an open file until it is closed; whether nobody else had locked it."""
     if fcntl is None:
         return True

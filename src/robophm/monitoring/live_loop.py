@@ -16,10 +16,10 @@ from robophm.monitoring.clock_steps import ClockSteps
 from robophm.monitoring.live_tasks import LiveTasks
 from robophm.monitoring.look_ahead import LookAhead
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.replay import REPAIR, REPORT_STEP, ReportHistory, kept_ledger
+from robophm.monitoring.replay import MOST_REPORTS, REPAIR, REPORT_STEP, ReportHistory, kept_ledger
 from robophm.monitoring.silent_signals import SilentSignals
 from robophm.monitoring.wear_watch import WearWatch
-from robophm.stores.store import Progress, Store
+from robophm.stores.store import NoRoomError, Progress, Store
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.signals.report_sink import JudgedTask, ReportSink
 from robophm.transports.signals.source import STAMP_LIMIT, Gap, LiveItem, LiveSource, SignalSource, WholeMessage
@@ -94,7 +94,7 @@ class _Watch:
         self._monitor = Monitor(self.robot, ledger, period=self.period, on_tick=self._tick)
         self._tasks = LiveTasks(self._monitor, self._wear, speed=self.speed, functions=self.functions)
         self._silent = SilentSignals(self.robot.max_ages)
-        self._late: Counter[str] = Counter()
+        self._unkept: Counter[str] = Counter()
         self._looked = time.monotonic()
         self._noted: Counter[str] = Counter()
         """The notes that were told last."""
@@ -114,7 +114,7 @@ class _Watch:
                 opened.enter_context(self._ahead)
             self._wear.renewed(monitor.ledger)
             opened.callback(self._wear.close)
-            opened.callback(self._save)
+            opened.callback(self._save, last=True)
             if self.on_start:
                 self.on_start(monitor)
             if isinstance(self.source, LiveSource):
@@ -129,7 +129,7 @@ class _Watch:
                     self._take(heard)
                 self._tell_notes()
             self._note_orders()
-        self.source.notes.update(self._tasks.notes + self._silent.notes + self._late)
+        self.source.notes.update(self._notes)
         return monitor
 
     def _take(self, heard: Sample) -> None:
@@ -156,7 +156,7 @@ class _Watch:
             return heard
         if not isinstance(self.source, LiveSource) or self.source.recorded:
             return heard
-        self._late[f"too late for its own time, counted when it was heard: {heard.signal}"] += 1
+        self._unkept[f"too late for its own time, counted when it was heard: {heard.signal}"] += 1
         return heard._replace(time=now)
 
     def _tell_notes(self) -> None:
@@ -164,7 +164,7 @@ class _Watch:
         if (now := time.monotonic()) - self._looked < NOTES_EVERY:
             return
         self._looked = now
-        notes = self.source.notes.copy() + self._tasks.notes + self._silent.notes + self._late
+        notes = self.source.notes.copy() + self._notes
         for sink in self.sinks:
             notes.update(sink.notes)
         if notes != self._noted:
@@ -201,14 +201,29 @@ class _Watch:
             if reason.startswith(REORDERED):  # it qualifies what is in the ledger
                 self._monitor.ledger.counts[reason] = self._mixed[reason] + count
 
-    def _save(self) -> None:
-        if self.store:
-            if self.journal:
-                self.journal.sync()
-            progress = [Progress(self._key, self.journal.position)] if self.journal else []
+    def _save(self, *, last: bool = False) -> None:
+        """Keep the past; where there is no room that is noted, and tried again later, but for the ``last`` time."""
+        if not self.store:
+            return
+        if self.journal:
+            self.journal.sync()
+        progress = [Progress(self._key, self.journal.position)] if self.journal else []
+        self._saved = time.monotonic()
+        try:
             self.store.save(self.robot.identity, self._monitor.ledger.to_json(), progress, self._course.reports)
             self._course.reports.clear()
-            self._saved = time.monotonic()
+        except NoRoomError as error:
+            if last:
+                raise
+            self._unkept[f"not saved, tried again: {error}"] += 1
+            del self._course.reports[:-MOST_REPORTS]
+
+    @property
+    def _notes(self) -> Counter[str]:
+        """Notes on what was lost, silent, refused or could not be kept, but for those of the source."""
+        return (
+            self._tasks.notes + self._silent.notes + self._unkept + (self.journal.notes if self.journal else Counter())
+        )
 
 
 def _listen(source: SignalSource, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:

@@ -18,7 +18,7 @@ CONTENT = (
 
 
 class DamagedError(StoreError):
-    """What was read is not what was written."""
+    """A row, or the list of rows, is not what was written."""
 
 
 class CheckedTable(NamedTuple):

@@ -18,7 +18,7 @@ from robophm.core.single_writer import only_one
 from robophm.stores._checked_rows import DamagedError
 from robophm.stores._good_state import KEEP_EVERY, good_file, keep_good, make_anew
 from robophm.stores._tables import LEDGER, PROGRESS, REPORT, TABLES, bring_up_to_date, make_tables, version_of
-from robophm.stores.store import Progress, Restored, Store
+from robophm.stores.store import NoRoomError, Progress, Restored, Store
 
 LONGEST_WAIT = 10.0
 """The most seconds to wait for others who write to the same store, or make it."""
@@ -34,7 +34,7 @@ class SqliteStore(Store):
         """When the good state beside it was kept, on the clock of ``time.monotonic``; None: nothing was saved yet."""
         self._revisions: dict[str, int] = {}  # of the ledgers that were read: who saves later must have read that one
         with self._errors():
-            self._base = sqlite3.connect(self.path, timeout=LONGEST_WAIT, isolation_level=None)
+            self._base = _connected(self.path)
         try:
             with self._errors():
                 self._open()
@@ -190,4 +190,16 @@ class SqliteStore(Store):
         except DamagedError as error:
             raise StoreError(f"{self.path}: {error}; robophm store repair goes back to the last good state") from None
         except (sqlite3.Error, UnicodeError, OSError, json.JSONDecodeError) as error:
-            raise StoreError(f"{self.path}: {error}; expected a robophm store that can be read and written") from None
+            full = getattr(error, "sqlite_errorname", "").startswith(("SQLITE_FULL", "SQLITE_IOERR"))
+            kind = NoRoomError if full else StoreError
+            raise kind(f"{self.path}: {error}; expected a robophm store that can be read and written") from None
+
+
+def _connected(path: Path) -> sqlite3.Connection:
+    """A connection to a file; where nobody may write it, to read it alone, if its log has nothing that is not in it."""
+    log = Path(f"{path}-wal")
+    read_only = path.is_file() and not (os.access(path, os.W_OK) and os.access(path.parent, os.W_OK))
+    if read_only and not (log.exists() and log.stat().st_size):
+        address = f"{path.absolute().as_uri()}?mode=ro&immutable=1"
+        return sqlite3.connect(address, timeout=LONGEST_WAIT, isolation_level=None, uri=True)
+    return sqlite3.connect(path, timeout=LONGEST_WAIT, isolation_level=None)

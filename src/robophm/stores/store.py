@@ -12,6 +12,10 @@ from typing import Any, NamedTuple, Self
 from robophm.core.errors import StoreError
 
 
+class NoRoomError(StoreError):
+    """There is no room to save, or the disk fails: nothing was saved, and later it may be possible again."""
+
+
 class Progress(NamedTuple):
     """The progress of one recording's replay into a ledger."""
 
@@ -28,7 +32,7 @@ class Restored(NamedTuple):
     """A store that was damaged, and was made anew."""
 
     said: tuple[str, ...]
-    """What of it is not as it was, as sentences without their point."""
+    """Sentences, without their point, on all that is not as it was."""
     copy: Path
     """The damaged store, which was kept."""
 

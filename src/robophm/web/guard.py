@@ -22,6 +22,9 @@ MOST_BYTES = 24_000_000
 FILES, MOST_OF_FILES = "/api/new/files", 8_000_000_000
 """The one address that takes larger ones, recordings, which are written to the disk as they come; and their most."""
 
+WITHOUT_TOKEN = ("/healthz", "/readyz")
+"""Addresses that a supervisor asks, whose answers tell nothing of the robot."""
+
 COOKIE = "robophm_token"
 
 SECURITY = {
@@ -111,7 +114,7 @@ class Guard:
         most = _most(scope["path"])
         if not length.isdecimal() or int(length) > most:
             return 413, f"the request is larger than {most // 1_000_000:,} MB"
-        if self._token and not self._knows(scope, headers):
+        if self._token and scope["path"] not in WITHOUT_TOKEN and not self._knows(scope, headers):
             return 401, "expected the token that the service was started with: open its address with ?token=… once"
         return None
 

@@ -39,6 +39,9 @@ from robophm.web.sources import Choice, begins
 QUICK, FULL = 0.5, 2.0
 """Seconds between two looks at the figures, and at remaining life too, at least."""
 
+LONGEST_END = 5.0
+"""The most seconds that it takes to keep the past once nothing is taken any more."""
+
 SHARE = 20.0
 """Least time between two looks of each kind, in multiples of what a look takes."""
 
@@ -182,8 +185,11 @@ class Monitoring:
             self._thread = threading.Thread(target=self._watch, args=said, name="monitoring", daemon=True)
             self._thread.start()
 
-    def stop(self) -> None:
-        """End watching, and wait until all is kept; nothing where it does not watch."""
+    def stop(self, within: float = 30.0) -> None:
+        """End watching, and wait until all is kept; nothing where it does not watch.
+
+        What still waits to be taken after so many seconds is let go of.
+        """
         with self._lock:
             source, thread, run = self._source, self._thread, self.run
         if run:
@@ -191,7 +197,10 @@ class Monitoring:
         if source:
             source.stop()
         if thread:
-            thread.join(timeout=30)
+            thread.join(timeout=within)
+            if thread.is_alive() and source:
+                source.close()
+                thread.join(timeout=LONGEST_END)
 
     def last_ledger(self, robot: Robot) -> Ledger:
         """Return a robot's ledger as far as is known: of the latest run, else of the store, else an empty one.

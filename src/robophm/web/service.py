@@ -38,6 +38,12 @@ if TYPE_CHECKING:
 LONGEST_END = 10.0
 """The most seconds to wait for a thread that is reading the design."""
 
+QUICK_END = 2.0
+"""The most seconds in which what was heard is taken, when the service ends."""
+
+RETRIED_EVERY = 10.0
+"""Seconds between two attempts to watch a robot that was to be watched from the start."""
+
 FOLLOWED_EVERY = 1.0
 """Seconds between two looks at the design's file."""
 
@@ -73,6 +79,8 @@ class Service:
         self._shelf = PreparedRobots()
         self.changed_outside = False
         """Whether the file holds what somebody else has made of it, and taking it would lose edits or is impossible."""
+        self.wanted = ""
+        """The source by which the robot is to be watched from the start."""
         self._ended = threading.Event()
         # A design of thousands of parts takes seconds to be read: they are over when a browser asks.
         self._threads = [
@@ -127,6 +135,21 @@ class Service:
         choice = chosen(dict(self.sources), source)
         state = self.workspace.draft().state
         self.monitoring.start(self.prepared().robot, choice, speed, state)
+
+    def keep_watching(self, source: str, speed: float) -> None:
+        """Watch as ``watch``, and again where that fails, until a person stops it. Raises RobophmError at first."""
+        self.wanted = source
+        self.watch(source, speed)
+
+        def again() -> None:
+            while not self._ended.wait(RETRIED_EVERY) and not (self.monitoring.run and self.monitoring.run.stopped):
+                if self.monitoring.state == "failed":
+                    with suppress(RobophmError):
+                        self.watch(source, speed)
+
+        thread = threading.Thread(target=again, name="keep watching", daemon=True)
+        self._threads.append(thread)
+        thread.start()
 
     def past(self, prepared: PreparedRobot) -> tuple[ExposureIntegrator, Ledger]:
         """Return the robot's ledger as far as is known. Raises StoreError."""
@@ -188,7 +211,7 @@ class Service:
         self._ended.set()
         for thread in self._threads:  # a thread that still computes when the process ends may abort it
             thread.join(timeout=LONGEST_END)
-        self.monitoring.stop()
+        self.monitoring.stop(within=QUICK_END)
         self.jobs.close()
         self.workspace.close()
 

@@ -11,6 +11,8 @@ from contextlib import contextmanager
 import uvicorn
 
 from robophm.core.errors import RobophmError
+from robophm.core.rate_limited_log import limit_rate
+from robophm.core.supervisor import Supervisor
 from robophm.web.app import create_app
 from robophm.web.guard import is_loopback
 from robophm.web.service import Service, Settings
@@ -26,6 +28,8 @@ def serve(settings: Settings, port: int, ready: Callable[[str, Service, Callable
         raise RobophmError(
             f"{settings.host}: others on the network would reach the design; expected a secret token too"
         )
+    limit_rate("uvicorn.error", "asyncio", "robophm")
+    supervisor = Supervisor()
     with (
         _heeding() as wish
     ):  # from before there are threads: one that still computes when the process ends may abort it
@@ -38,17 +42,28 @@ def serve(settings: Settings, port: int, ready: Callable[[str, Service, Callable
                     ws_max_queue=32, limit_concurrency=200, timeout_keep_alive=15, timeout_graceful_shutdown=2,
                     server_header=False,
                 )  # fmt: skip
-                wish.ends(server := _Server(config))
+                wish.ends(server := _Server(config, supervisor))
                 host = f"[{settings.host}]" if ":" in settings.host else settings.host
                 query = f"?token={settings.token}" if settings.token else ""
                 ready(f"http://{host}:{listener.getsockname()[1]}/{query}", service, wish.stop)
+                supervisor.ready("serving")
                 server.run(sockets=[listener])
         finally:
+            supervisor.ending()
             service.close()
 
 
 class _Server(uvicorn.Server):
     """A server that ends in order when it is interrupted, however often: no signal is raised again."""
+
+    def __init__(self, config: uvicorn.Config, supervisor: Supervisor) -> None:
+        super().__init__(config)
+        self._supervisor = supervisor
+
+    async def on_tick(self, counter: int) -> bool:
+        """Tell the supervisor that requests are heeded, ten times a second at most; return whether to end."""
+        self._supervisor.alive()
+        return await super().on_tick(counter)
 
     @contextmanager
     def capture_signals(self) -> Iterator[None]:

@@ -18,7 +18,9 @@ cannot be read, as where power was cut while the system wrote blocks out of orde
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Iterator
+from collections import Counter
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
@@ -34,9 +36,6 @@ from robophm.transports.recordings.text import LONGEST_LINE, TextSource
 TITLE = b"# robophm journal 1\n"
 """The first line of a journal."""
 
-_BUFFERED = 1 << 18
-"""Bytes of lines that may wait to go to the operating system: no more is asked of it than is said below."""
-
 MOST_NAMED = 20
 """Damaged stretches of a journal that are named by their line."""
 
@@ -48,17 +47,21 @@ class Journal:
     """Writes samples to the end of a journal; a context manager.
 
     Lines go to the operating system with every clock sample and every ``flush_every`` samples, to the disk by
-    ``sync()`` and ``close()``. A line that an earlier crash tore is cut off first.
+    ``sync()`` and ``close()``. A line that an earlier crash tore is cut off first. Where the disk is full, what cannot
+    be written is counted in ``notes`` and named as a gap once there is room again.
 
-    Raises SourceError where the file is there and is no journal, another process writes it, or a signal is no signal.
+    Raises SourceError where the file is there and is no journal, another process writes it, it cannot be written from
+    the start, or a signal is no signal.
     """
 
     def __init__(self, path: str | Path, signals: Collection[str] = (), flush_every: int = 2000) -> None:
         self.path = Path(path)
+        self.notes: Counter[str] = Counter()
         self._flush_every = flush_every
-        self._unflushed = 0
         self._known = {CLOCK}
-        self._file = self.path.open("a", _BUFFERED, encoding="utf-8", newline="\n")
+        self._waiting: list[str] = []
+        self._lost = False
+        self._file = self.path.open("ab", buffering=0)
         try:
             self._begin(signals)
         except BaseException:
@@ -73,13 +76,15 @@ class Journal:
             self._known |= before.signals
             _cut_torn_line(self.path)
             spoken = any(not line.startswith(b"#") for _, line in before._lines())
-            title = f"{_GAP}not listening\n" if spoken else ""
+            self._waiting += [f"{_GAP}not listening\n"] if spoken else []
         else:
-            title = TITLE.decode()
-        self._file.write(title)
+            self._waiting.append(TITLE.decode())
+        self._end = self.path.stat().st_size
         for signal in sorted(signals):
             self._know(signal)
         self.sync()
+        if self._lost:
+            raise SourceError(next(iter(self.notes)))
         sync_folder(self.path.parent)
 
     def _know(self, signal: str) -> None:
@@ -89,27 +94,48 @@ class Journal:
         if not signal.isprintable():
             raise SourceError(f"{self.path}: signal {signal!r} cannot be written on one line")
         self._known.add(signal)
-        self._file.write(f"{_SIGNAL}{signal}\n")
+        self._waiting.append(f"{_SIGNAL}{signal}\n")
 
     def write(self, sample: Sample) -> None:
         """Append one sample to the journal."""
         time, signal, value = sample
         if signal not in self._known:
             self._know(signal)
-        self._file.write(f"{time} {float(value)!r} {signal}\n")
-        self._unflushed += 1
-        if signal == CLOCK or self._unflushed >= self._flush_every:
-            self._file.flush()
-            self._unflushed = 0
+        self._waiting.append(f"{time} {float(value)!r} {signal}\n")
+        if signal == CLOCK or len(self._waiting) >= self._flush_every:
+            self._flush()
 
     def gap(self, topic: str, why: str) -> None:
         """Record that something of a topic was not heard here, or may not have been."""
-        self._file.write(f"{_GAP}{why} on {topic}\n")
+        self._waiting.append(f"{_GAP}{why} on {topic}\n")
+
+    def _flush(self) -> None:
+        """Hand what waits to the operating system: all of it, or none."""
+        lines, self._waiting = self._waiting, []
+        if not lines:
+            return
+        text = memoryview("".join([f"{_GAP}no room on the disk\n", *lines] if self._lost else lines).encode())
+        try:
+            done = 0
+            while done < len(text):
+                done += self._file.write(text[done:])
+        except OSError as error:
+            self._lose(lines, error)
+        else:
+            self._end += len(text)
+            self._lost = False
+
+    def _lose(self, lines: Sequence[str], error: OSError) -> None:
+        with suppress(OSError):
+            self._file.truncate(self._end)
+        self._known -= {line[len(_SIGNAL) : -1] for line in lines if line.startswith(_SIGNAL)}
+        self._lost = True
+        self.notes[f"{self.path}: not written, {error.strerror}"] += len(lines)
 
     @property
     def position(self) -> int:
         """Return the number of bytes of the file, once it is synced."""
-        return self._file.tell()
+        return self._end
 
     def since(self, position: int) -> Iterator[Sample]:
         """Yield the samples that were in the file behind a position when it was opened, then those written since."""
@@ -126,13 +152,15 @@ class Journal:
             else:
                 damaged = True
         if damaged:
-            self._file.write(f"{_GAP}damaged lines before\n")
+            self._waiting.append(f"{_GAP}damaged lines before\n")
 
     def sync(self) -> None:
         """Return when all that was written is on the disk."""
-        self._file.flush()
-        os.fsync(self._file.fileno())
-        self._unflushed = 0
+        self._flush()
+        try:
+            os.fsync(self._file.fileno())
+        except OSError as error:
+            self.notes[f"{self.path}: not on the disk, {error.strerror}"] += 1
 
     def close(self) -> None:
         """Sync and let go of the file; closing twice does no harm."""
