@@ -123,7 +123,7 @@ def test_a_store_that_is_none(inside, design, recording, tmp_path):
     other.close()
     for name, says in (
         ("text.db", "text.db: file is not a database"),
-        ("other.db", "other.db: not a robophm store of version 2"),
+        ("other.db", "other.db: not a robophm store of version 3"),
         (".", "unable to open database file"),
         ("no/folder/past.db", "unable to open database file"),
     ):
@@ -156,7 +156,7 @@ def test_paths_with_blanks_letters_and_line_breaks(run, design, recording, tmp_p
     done = run("replay", design, odd, "--store", folder / "pa st.db", "--report", folder / "[b]päge.html")
     assert (done.returncode, done.stderr) == (OK, "")
     assert "[b]päge.html" in done.stdout.replace("\n", "")
-    assert {path.suffix for path in folder.iterdir()} == {".mcap", ".yaml", ".db", ".html"}
+    assert {path.suffix for path in folder.iterdir()} == {".mcap", ".yaml", ".db", ".good", ".html"}
 
 
 def test_breached_and_still_kept(run, design, recording, tmp_path):

@@ -14,8 +14,12 @@ from robophm.core.errors import RobophmError
 from robophm.core.rate_limited_log import limit_rate
 from robophm.core.supervisor import Supervisor
 from robophm.web.app import create_app
+from robophm.web.bounded_connections import MOST_WAITING, BoundedConnection
 from robophm.web.guard import is_loopback
 from robophm.web.service import Service, Settings
+
+SHORTEST_TOKEN = 16
+"""Characters of a token that keeps others out: what is shorter can be guessed."""
 
 
 def serve(settings: Settings, port: int, ready: Callable[[str, Service, Callable[[], None]], None]) -> None:
@@ -24,9 +28,10 @@ def serve(settings: Settings, port: int, ready: Callable[[str, Service, Callable
     Port 0 is any that is free. Raises RobophmError where the address cannot be had, or others reach it and there is no
     token; else as ``create_app``.
     """
-    if not is_loopback(settings.host) and not settings.token:
+    if not is_loopback(settings.host) and len(settings.token or "") < SHORTEST_TOKEN:
         raise RobophmError(
-            f"{settings.host}: others on the network would reach the design; expected a secret token too"
+            f"{settings.host}: others on the network would reach the design; expected a secret token too, of at least "
+            f"{SHORTEST_TOKEN} characters"
         )
     limit_rate("uvicorn.error", "asyncio", "robophm")
     supervisor = Supervisor()
@@ -38,9 +43,9 @@ def serve(settings: Settings, port: int, ready: Callable[[str, Service, Callable
         try:
             with _listen(settings.host, port) as listener:
                 config = uvicorn.Config(
-                    app, log_level="warning", access_log=False, ws="websockets-sansio", ws_max_size=1 << 20,
-                    ws_max_queue=32, limit_concurrency=200, timeout_keep_alive=15, timeout_graceful_shutdown=2,
-                    server_header=False,
+                    app, log_level="warning", access_log=False, http=BoundedConnection, ws="websockets-sansio",
+                    ws_max_size=1 << 20, ws_max_queue=32, limit_concurrency=2 * MOST_WAITING, timeout_keep_alive=15,
+                    timeout_graceful_shutdown=2, server_header=False,
                 )  # fmt: skip
                 wish.ends(server := _Server(config, supervisor))
                 host = f"[{settings.host}]" if ":" in settings.host else settings.host

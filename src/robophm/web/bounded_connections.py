@@ -1,0 +1,76 @@
+"""Connections that nobody can hold for nothing: headers and bodies have their time, and of many that wait the one that
+was silent for longest goes."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import ClassVar
+
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+HEADERS_WITHIN = 10.0
+"""Seconds in which the headers of a request must have come, since the connection or the answer before."""
+
+BODY_WITHIN = 30.0
+"""Seconds within which more of a body must come."""
+
+MOST_WAITING = 100
+"""Connections that may wait for a request, or for the rest of one."""
+
+
+class BoundedConnection(H11Protocol):
+    """A connection whose client has to come to its point."""
+
+    _waiting: ClassVar[dict[BoundedConnection, str]] = {}
+    """Connections that wait for headers or a body, the one that was silent for longest first."""
+
+    _end: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Begin to wait for a request; where too many do, the longest silent one has to go."""
+        super().connection_made(transport)
+        self._look()
+        if len(self._waiting) > MOST_WAITING:
+            next(iter(self._waiting))._let_go()
+
+    def data_received(self, data: bytes) -> None:
+        """Take what has come."""
+        super().data_received(data)
+        self._look()
+
+    def on_response_complete(self) -> None:
+        """Wait for the next request."""
+        super().on_response_complete()
+        self._look()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Wait no longer."""
+        self._go_on()
+        super().connection_lost(exc)
+
+    def _look(self) -> None:
+        """See what the connection waits for now."""
+        if self.transport.is_closing() or self.transport.get_protocol() is not self:  # a WebSocket now
+            self._go_on()
+        elif self.cycle is None or self.cycle.response_complete:
+            if self._waiting.get(self) != "headers":
+                self._wait("headers", HEADERS_WITHIN)
+        elif self.cycle.more_body:
+            self._wait("body", BODY_WITHIN)
+        else:
+            self._go_on()
+
+    def _wait(self, what: str, seconds: float) -> None:
+        self._go_on()
+        self._waiting[self] = what
+        self._end = self.loop.call_later(seconds, self._let_go)
+
+    def _go_on(self) -> None:
+        self._waiting.pop(self, None)
+        if self._end:
+            self._end.cancel()
+            self._end = None
+
+    def _let_go(self) -> None:
+        self._go_on()
+        self.transport.abort()
