@@ -94,6 +94,7 @@ class _Tapped(LiveSource):
         self._source, self._board, self._run = source, board, run
         self.fingerprint = source.fingerprint
         self.notes = source.notes
+        self.recorded = not isinstance(source, LiveSource)
 
     def topics(self) -> list[TopicInfo]:
         return self._source.topics()
@@ -101,7 +102,11 @@ class _Tapped(LiveSource):
     def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
         source = self._source
         all_heard: Iterator[LiveItem]
-        all_heard = source.listen(signals, topics) if isinstance(source, LiveSource) else source.samples(signals)
+        if isinstance(source, LiveSource):
+            source.known_to = self.known_to
+            all_heard = source.listen(signals, topics)
+        else:
+            all_heard = source.samples(signals)
         self.notes = source.notes
         hear, run = self._board.hear, self._run
         for heard in all_heard:

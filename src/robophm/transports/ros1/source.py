@@ -138,7 +138,7 @@ class Ros1(ListeningSource):
             simulated = node.ask("getParam", "/use_sim_time") is True
         except PeerError:  # it is not set
             simulated = False
-        hearing = Receiver(self.notes, queue.put, topics, simulated=simulated)
+        hearing = Receiver(self.notes, queue.put, topics, simulated=simulated, known_to=self.known_to)
         listening = Subscription(node, wanted, hearing)
         run = Run(queue, hearing, listening, node)
         self._begin(run)
