@@ -23,7 +23,7 @@ from robophm.health.ledger import Ledger
 from robophm.health.outlooks import FutureName
 from robophm.health.plant import Plant
 from robophm.health.report import HealthReport
-from robophm.health.reporting import health_report
+from robophm.health.reporting import Lives, health_report
 from robophm.health.window import Columns, Window, parted
 from robophm.health.worn import SeenWear
 from robophm.monitoring.seen_wear import seen_wear, with_alarms
@@ -43,7 +43,7 @@ class ReportOptions(TypedDict, total=False):
     """Options of a report, as ``health_report`` takes them."""
 
     task: Task | None
-    remaining_life: bool
+    remaining_life: Lives
     future: FutureName
     plan: Plan | None
     knowledge: Knowledge | None
