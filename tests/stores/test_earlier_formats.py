@@ -110,7 +110,7 @@ def test_a_move_that_ends_on_the_way_leaves_the_store_as_it_was(kept: Path, monk
     def full(*_: object) -> None:
         raise sqlite3.OperationalError("database or disk is full")
 
-    monkeypatch.setattr("robophm.stores._tables.make_tables", full)
+    monkeypatch.setattr("robophm.stores.migration.make_tables", full)
     with pytest.raises(StoreError, match="disk is full"):
         SqliteStore(kept)
     now = rows(kept, "SELECT * FROM ledger"), rows(kept, "SELECT * FROM report"), rows(kept, "PRAGMA user_version")

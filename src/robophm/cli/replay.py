@@ -43,7 +43,7 @@ def command(
     for warning in robot.warnings:
         warn(warning)
     sessions = sessions_of(robot, recordings, skip_missing=skip_missing)  # before a store is made for them
-    # Without a store the course is kept only for a page that shows it: its reports cost time.
+    # Without a store the past is kept only for a page that shows it: its reports cost time.
     kept: Store | None = open_store(store) if store else MemoryStore() if report else None
     spans = [(session.first, session.last) for session in sessions]
     with kept or nullcontext(), progress(progress_console(), spans, "replaying") as tick:
@@ -53,7 +53,7 @@ def command(
         elif done:
             warn(f"{len(done)} of {len(sessions)} recordings are already in {store}; they are not counted again")
         health = replace(replay_sessions(robot, sessions, store=kept, on_tick=tick), horizon=ahead)
-        past = (list(kept.history(robot.identity)), kept.ledger(robot.identity)) if kept and report else ()
+        past = (kept.figures(robot.identity), kept.ledger(robot.identity)) if kept and report else ()
     if report:
         write(report, health_page(robot, health, *past))
     if as_json:

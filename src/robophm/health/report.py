@@ -202,8 +202,11 @@ class HealthReport:
     def _outlook(self, view: View) -> Outlook:
         return self.outlooks[one_of(view, VIEWS, "view")]
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the report as plain values, schema-versioned; an infinite time is the text "Infinity"."""
+    def to_json(self, *, failures_to_come: bool = True) -> dict[str, Any]:
+        """Return the report as plain values, schema-versioned; an infinite time is the text "Infinity".
+
+        ``failures_to_come`` are worked out for it where there is a remaining life, which takes time.
+        """
         names = ("robot", "design_hash", "time", "clocks")
         return {
             "schema_version": SCHEMA_VERSION,
@@ -211,7 +214,7 @@ class HealthReport:
             "subjects": [plain(asdict(subject)) | {"state": subject.state} for subject in self.subjects],
             "components": [plain(asdict(component)) for component in self.components],
             "failures_to_come": plain(asdict(self.failures_to_come))
-            if self.system.sensor_based.remaining_life
+            if failures_to_come and self.system.sensor_based.remaining_life
             else None,
             "task": task_to_json(self.task) if self.task else None,
             "uncertainty": plain({name: interval._asdict() for name, interval in vars(self.uncertainty).items()})

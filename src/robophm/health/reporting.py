@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple, get_args
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
@@ -43,14 +43,19 @@ from robophm.health.uncertainty import SCENARIOS, LifeUncertainty, draw_loads, l
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 from robophm.health.worn import SeenWear, moment, wear_flags
 
+Lives = bool | Literal["robot"]
+"""Whether remaining lives are stated: of all subjects, of the robot alone, or of none."""
+
 
 def health_report(
     plant: Plant, exposure: ExposureIntegrator, ledger: Ledger, *,
-    task: Task | None = None, remaining_life: bool = True,
+    task: Task | None = None, remaining_life: Lives = True,
     future: FutureName = "recent", plan: Plan | None = None, knowledge: Knowledge | None = None,
     draws: int = 0, parts: bool = False, horizon: float | None = None, wear: Sequence[SeenWear] = (),
 ) -> HealthReport:  # fmt: skip
     """Return the health that a ledger tells of; ``task`` is the design's unless given. Remaining life is the slow part.
+
+    ``remaining_life="robot"``: of the robot alone, which is quicker.
 
     Under a ``plan`` the robot does its tasks again and again for the rest of its life. ``draws`` of uncertain rates and
     loads tell how far the remaining life may lie; ``parts``: state that of every component too. ``horizon`` [h]: how
@@ -145,7 +150,7 @@ def _check(robot: Robot, task: Task | None, future: FutureName, plan: Plan | Non
 
 
 def look_ahead(
-    now: HealthReport, *, remaining_life: bool = True, parts: bool = False, pause: Callable[[], None] = lambda: None
+    now: HealthReport, *, remaining_life: Lives = True, parts: bool = False, pause: Callable[[], None] = lambda: None
 ) -> HealthReport:
     """Add what is to come to a report: completion of the task, and remaining lives, which are the slow part.
 
@@ -158,7 +163,7 @@ def look_ahead(
         ahead = {
             view: looking_ahead(
                 getattr(one, view), now.outlooks[view], system.diagram, now.task,
-                remaining_life=remaining_life, whole=whole,
+                remaining_life=remaining_life is True or (whole and remaining_life == "robot"), whole=whole,
             )
             for view in VIEWS
         }  # fmt: skip

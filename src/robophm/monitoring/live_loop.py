@@ -16,9 +16,10 @@ from robophm.monitoring.clock_steps import ClockSteps
 from robophm.monitoring.live_tasks import LiveTasks
 from robophm.monitoring.look_ahead import LookAhead
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.replay import MOST_REPORTS, REPAIR, REPORT_STEP, ReportHistory, kept_ledger
+from robophm.monitoring.replay import MOST_REPORTS, REPAIR, ReportHistory, kept_ledger
 from robophm.monitoring.silent_signals import SilentSignals
 from robophm.monitoring.wear_watch import WearWatch
+from robophm.stores.events import Event
 from robophm.stores.store import NoRoomError, Progress, Store
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.signals.report_sink import JudgedTask, ReportSink
@@ -26,6 +27,9 @@ from robophm.transports.signals.source import STAMP_LIMIT, Gap, LiveItem, LiveSo
 
 NOTES_EVERY = 0.5
 """Seconds between two looks for what was lost, silent or refused."""
+
+REPORT_STEP = 60 * SECOND
+"""Nanoseconds of the robot's time between two reports that are kept."""
 
 LATEST = 2 * STAMP_LIMIT
 """Nanoseconds that a live sample may come late and count all the same; what is later is of a clock that went back."""
@@ -96,6 +100,8 @@ class _Watch:
         self._silent = SilentSignals(self.robot.max_ages)
         self._unkept: Counter[str] = Counter()
         self._looked = time.monotonic()
+        self._events: list[Event] = []
+        """Events that are not yet saved."""
         self._noted: Counter[str] = Counter()
         """The notes that were told last."""
         self._behind: int | None = None
@@ -138,8 +144,10 @@ class _Watch:
                 f"the ledger of {self.robot.name} is {(self._behind - heard.time) / SECOND:,.0f} s ahead of what is "
                 f"heard; expected a clock that is right, or another store; {REPAIR}"
             )
-        self._behind = None
         heard = self._in_time(heard)
+        if self._behind is not None:
+            self._events.append(Event(heard.time, "restart", "", "watching began again"))
+            self._behind = None
         self._silent.hear(heard)
         if self.journal:
             self.journal.write(heard)
@@ -210,8 +218,10 @@ class _Watch:
         progress = [Progress(self._key, self.journal.position)] if self.journal else []
         self._saved = time.monotonic()
         try:
-            self.store.save(self.robot.identity, self._monitor.ledger.to_json(), progress, self._course.reports)
-            self._course.reports.clear()
+            ledger, reports = self._monitor.ledger.to_json(), self._course.reports
+            self.store.save(self.robot.identity, ledger, progress, reports, self._events)
+            reports.clear()
+            self._events.clear()
         except NoRoomError as error:
             if last:
                 raise

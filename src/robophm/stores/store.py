@@ -10,6 +10,17 @@ from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 from robophm.core.errors import StoreError
+from robophm.stores.events import Event
+from robophm.stores.figures import FigureSeries
+
+POINTS = 1000
+"""Points of a series, unless another number is asked for."""
+
+MOST_POINTS = 10_000
+"""The most points of a series."""
+
+MOST_EVENTS = 1000
+"""Events that are told at once, unless another number is asked for."""
 
 
 class NoRoomError(StoreError):
@@ -68,7 +79,30 @@ class Store(ABC):
 
     @abstractmethod
     def history(self, robot: str) -> Iterator[Mapping[str, Any]]:
-        """Yield the robot's reports, oldest first."""
+        """Yield the robot's reports that are kept, oldest first."""
+
+    @abstractmethod
+    def figures(
+        self, robot: str, start: int | None = None, end: int | None = None, points: int = POINTS
+    ) -> FigureSeries:
+        """Return the figures of the reports from a time until before another [ns], None being open.
+
+        There are at most so many points, from 2 to MOST_POINTS; where there were more reports, each is the lowest, mean
+        and highest of a span of time. No report's figures are ever left out.
+        """
+
+    @abstractmethod
+    def report_at(self, robot: str, time: int) -> Mapping[str, Any] | None:
+        """Return the last report that is kept up to a time [ns], else the first after it; None where there is none."""
+
+    @abstractmethod
+    def events(
+        self, robot: str, start: int | None = None, end: int | None = None, most: int = MOST_EVENTS
+    ) -> list[Event]:
+        """Return the events from a time until before another [ns], None being open, oldest first.
+
+        Where there are more than ``most`` of them, those are the latest.
+        """
 
     @abstractmethod
     def save(
@@ -77,8 +111,11 @@ class Store(ABC):
         ledger: Mapping[str, Any],
         progress: Iterable[Progress] = (),
         reports: Sequence[Mapping[str, Any]] = (),
+        events: Sequence[Event] = (),
     ) -> None:
-        """Keep all of it, or none. A report replaces the one of the same time.
+        """Keep all of it, or none. A report replaces the one of the same time; old ones are thinned.
+
+        Events that reports and ledger tell of need not be given.
 
         Raises StoreError, also where the ledger has been saved by somebody else since this store read it.
         """
@@ -89,7 +126,7 @@ class Store(ABC):
         yield
 
     def bring_back(self, robot: str, ledger: Mapping[str, Any], time: int) -> None:
-        """Keep a ledger that was brought back to a time [ns], and no report of a later one. Raises StoreError."""
+        """Keep a ledger that was brought back to a time [ns], and nothing of a later one. Raises StoreError."""
         raise StoreError("this kind of store cannot be brought back to a time; expected one in SQLite")
 
     def copy_to(self, path: Path) -> None:

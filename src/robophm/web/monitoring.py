@@ -6,7 +6,7 @@ import logging
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -27,7 +27,7 @@ from robophm.monitoring.task_history import TaskRecord, judge_on_the_way
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.stores import Address, open_store, store_exists
 from robophm.stores.memory import MemoryStore
-from robophm.stores.store import Progress, Store
+from robophm.stores.store import Store
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.recordings.paced import Paced
 from robophm.transports.signals.report_sink import JudgedTask
@@ -122,19 +122,6 @@ class _Tapped(LiveSource):
         self._source.close()
 
 
-class _PastAlone(MemoryStore):
-    """A store of ledgers that keeps no reports, of which nobody asks and which would become many."""
-
-    def save(
-        self,
-        robot: str,
-        ledger: Mapping[str, Any],
-        progress: Iterable[Progress] = (),
-        reports: Sequence[Mapping[str, Any]] = (),
-    ) -> None:
-        super().save(robot, ledger, progress)
-
-
 class Monitoring:
     """Watches one robot at a time; for any number of threads."""
 
@@ -146,7 +133,7 @@ class Monitoring:
         ``own``: the store is of this robot alone, and not of what recordings are played of.
         """
         self._store, self._journal, self._period, self._own = store, journal, period, own
-        self._played: dict[str, _PastAlone] = {}
+        self._played: dict[str, MemoryStore] = {}
         """Pasts that are in no store, by the name of their source: of recordings until their end."""
         self._lock = threading.Lock()
         self._source: SignalSource | None = None
@@ -221,7 +208,7 @@ class Monitoring:
         """The store that a source's samples go to."""
         if self._store and not (self._own and choice.paced):
             return open_store(self._store)
-        return self._played.setdefault(choice.name, _PastAlone())
+        return self._played.setdefault(choice.name, MemoryStore())
 
     def _kept(self, robot: Robot, store: Store) -> Ledger | None:
         """The robot's ledger in a store. Raises StoreError where the store is its own, and knows it by another name."""
