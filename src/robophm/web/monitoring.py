@@ -7,7 +7,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Collection, Iterator, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -135,6 +135,8 @@ class Monitoring:
         self._store, self._journal, self._period, self._own = store, journal, period, own
         self._played: dict[str, MemoryStore] = {}
         """Pasts that are in no store, by the name of their source: of recordings until their end."""
+        self._shown: MemoryStore | None = None
+        """The past that the latest run goes to, where it is in no store."""
         self._lock = threading.Lock()
         self._source: SignalSource | None = None
         self._thread: threading.Thread | None = None
@@ -155,6 +157,7 @@ class Monitoring:
             if not robot.signals:
                 raise SourceError("the design listens to nothing; bind a sensor first")
             with self._store_of(choice) as store:
+                self._shown = store if isinstance(store, MemoryStore) else None
                 ledger = self._kept(robot, store)
             source = choice.open(speed)
             try:
@@ -237,6 +240,17 @@ class Monitoring:
                 kept = store.ledger(identity)
             found += [kept] if kept else []
         return found
+
+    @contextmanager
+    def history(self) -> Iterator[Store | None]:
+        """Give the store in which the past of the latest run is, else the robot's own; None where there is none."""
+        if self._shown:
+            yield self._shown
+        elif self._store and store_exists(self._store):
+            with open_store(self._store) as store:
+                yield store
+        else:
+            yield None
 
     def _watch(self, run: Run, source: SignalSource, told: object, board: Board, choice: Choice) -> None:
         try:

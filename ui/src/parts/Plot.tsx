@@ -27,6 +27,14 @@ export interface PlotProps {
   height?: number;
   /** Spans of x in which a sensor was silent. */
   gaps?: [number, number][];
+  /** Places on x where something happened; a dashed line each. */
+  marks?: number[];
+  /** The place on x that is looked at; a solid line. */
+  at?: number | null;
+  /** A span of x was dragged across: whoever listens draws what is in it. */
+  zoomTo?: (from: number, to: number) => void;
+  /** A place on x was clicked. */
+  pick?: (x: number) => void;
   empty?: string;
   children?: ReactNode;
 }
@@ -47,12 +55,17 @@ function joined(curves: Curve[], log: boolean): AlignedData {
   return uPlot.join(curves.map((one) => [one.x, sound(one.y)] as AlignedData));
 }
 
-export function Plot({ title, curves, xLabel, yLabel, time, log = false, height = 230, gaps, empty, children }: PlotProps): ReactNode {
+export function Plot({ title, curves, xLabel, yLabel, time, log = false, height = 230, gaps, marks, at, zoomTo, pick, empty, children }: PlotProps): ReactNode {
   const box = useRef<HTMLDivElement>(null);
   const under = useRef<HTMLSpanElement>(null);
   const plot = useRef<uPlot | null>(null);
   const shaded = useRef(gaps);
   shaded.current = gaps;
+  const marked = useRef({ marks, at });
+  marked.current = { marks, at };
+  const told = useRef({ zoomTo, pick });
+  told.current = { zoomTo, pick };
+  const dragged = useRef(false);
   const { theme } = useShared(preferences);
   const [zoomed, setZoomed] = useState(false);
   const held = useRef(false);
@@ -91,10 +104,25 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
           })),
         ],
         hooks: {
-          drawClear: [(u) => shade(u, shaded.current ?? [])],
+          ready: [
+            (u) => {
+              u.over.addEventListener("mousedown", () => (dragged.current = true));
+              u.over.addEventListener("click", () => {
+                const x = u.posToVal(u.cursor.left ?? -1, "x");
+                if (u.select.width < 2 && Number.isFinite(x)) told.current.pick?.(x);
+              });
+            },
+          ],
+          drawClear: [(u) => shade(u, shaded.current ?? []), (u) => mark(u, marked.current.marks ?? [], marked.current.at)],
           setCursor: [(u) => void (under.current && (under.current.textContent = underCursor(u, time)))],
           setSelect: [
-            () => {
+            (u) => {
+              if (told.current.zoomTo) {
+                if (dragged.current && u.select.width > 0) told.current.zoomTo(u.posToVal(u.select.left, "x"), u.posToVal(u.select.left + u.select.width, "x"));
+                dragged.current = false; // a plot beside it that follows the cursor has the same selection
+                u.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
+                return;
+              }
               held.current = true;
               setZoomed(true);
             },
@@ -129,6 +157,8 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
       if (held.current && min != null && max != null) now.setScale("x", { min, max });
     });
   }, [curves, log, seen]);
+
+  useEffect(() => plot.current?.redraw(false), [marks, at]);
 
   const reset = (): void => {
     held.current = false;
@@ -267,5 +297,24 @@ function shade(u: uPlot, gaps: [number, number][]): void {
     const right = Math.min(u.valToPos(to, "x", true), u.bbox.left + u.bbox.width);
     if (right > left) u.ctx.fillRect(left, u.bbox.top, right - left, u.bbox.height);
   }
+  u.ctx.restore();
+}
+
+/** Lines upright where something happened, and where it is looked. */
+function mark(u: uPlot, marks: number[], at: number | null | undefined): void {
+  const line = (x: number, color: string, dash: number[]): void => {
+    const left = u.valToPos(x, "x", true);
+    if (!(left >= u.bbox.left && left <= u.bbox.left + u.bbox.width)) return;
+    u.ctx.strokeStyle = css(color);
+    u.ctx.setLineDash(dash);
+    u.ctx.beginPath();
+    u.ctx.moveTo(left, u.bbox.top);
+    u.ctx.lineTo(left, u.bbox.top + u.bbox.height);
+    u.ctx.stroke();
+  };
+  u.ctx.save();
+  u.ctx.lineWidth = devicePixelRatio;
+  for (const one of marks) line(one, "--warn", DASH);
+  if (at != null) line(at, "--ink", []);
   u.ctx.restore();
 }
