@@ -29,6 +29,8 @@ class TopicInfo:
     last: int | None
     fields: tuple[str, ...]
     """Paths of the numeric fields, ``pose.x``; of an array, ``effort[]``, a signal names one element."""
+    elements: tuple[str, ...] = ()
+    """Paths of numbers of messages in arrays, ``esc[0].esc_temperature``, where the source tells how many there are."""
 
     @property
     def rate(self) -> float | None:
