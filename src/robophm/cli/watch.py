@@ -155,8 +155,8 @@ def run(design: Path, asked: Watched) -> bool:
             gc.freeze()  # what is there now stays: not to be looked through again and again while the robot runs
             monitor = watch(
                 robot, source, store=kept, journal=written, period=asked.period, sinks=[*sinks, shown],
-                task_topics=topics_to_hear(asked.tasks, asked.namespace), speed=speed, functions=asked.functions,
-                on_clock=warn,
+                task_topics=topics_to_hear(asked.tasks, asked.namespace, source.task_topics), speed=speed,
+                functions=asked.functions, on_clock=warn,
             )  # fmt: skip
         health = monitor.report(alarms=True)
         if asked.as_json:

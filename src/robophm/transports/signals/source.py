@@ -135,6 +135,8 @@ class LiveSource(SignalSource):
     ends = False
     announced: ClassVar[bool] = True
     """Whether topics are announced before a message comes; otherwise only what was heard is known."""
+    task_topics: ClassVar[tuple[str, ...]] = ()
+    """Topics that tell of tasks wherever this transport is spoken."""
 
     @property
     def place(self) -> str:
