@@ -15,7 +15,7 @@ from shutil import which
 import pytest
 import typer
 
-from robophm.cli.app import COMMANDS, FORMER, GROUPS, app
+from robophm.cli.app import COMMANDS, FORMER, GROUPS, SOUGHT, app
 from robophm.cli.doctor import EXTRAS
 from robophm.cli.shared.options import operating_time
 from robophm.core.errors import RobophmError
@@ -64,6 +64,13 @@ def test_a_former_name_is_taken_and_said(inside, design):
     now, then = inside("show", "robot.yaml", "--at", "50"), inside("show", "robot.yaml", "--hours=50")
     assert (then.returncode, then.stdout) == (now.returncode, now.stdout) == (0, now.stdout)
     assert (now.stderr, then.stderr) == ("", "note: --hours of show is called --at now\n")
+
+
+def test_a_command_is_found_by_what_people_call_it(inside):
+    now, sought = inside("new", "robot.yaml"), inside("draft", "robot.yaml")
+    assert (sought.returncode, sought.stdout) == (now.returncode, now.stdout)
+    assert sought.stderr == f"note: draft is called new\n{now.stderr}"
+    assert not SOUGHT.keys() & COMMANDS.keys()
 
 
 @pytest.mark.parametrize(("text", "hours"), [("50", 50), (50.0, 50), ("50 h", 50), ("2 week", 336), ("1e3", 1000),
