@@ -67,9 +67,9 @@ def test_a_former_name_is_taken_and_said(inside, design):
 
 
 def test_a_command_is_found_by_what_people_call_it(inside):
-    now, sought = inside("new", "robot.yaml"), inside("draft", "robot.yaml")
-    assert (sought.returncode, sought.stdout) == (now.returncode, now.stdout)
-    assert sought.stderr == f"note: draft is called new\n{now.stderr}"
+    now, sought = inside("new", "--help"), inside("draft", "--help")
+    assert (sought.returncode, sought.stdout) == (now.returncode, now.stdout) == (0, now.stdout)
+    assert sought.stderr == "note: draft is called new\n"
     assert not SOUGHT.keys() & COMMANDS.keys()
 
 
