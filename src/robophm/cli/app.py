@@ -79,12 +79,16 @@ FORMER = {
 }  # fmt: skip
 """Options that had another name."""
 
+SOUGHT = {"draft": "new"}
+"""Commands by what people call them."""
+
 
 class _Commands(CommandGroup):
     package = "robophm.cli"
     lines = COMMANDS
     groups = GROUPS
     former = FORMER
+    sought = SOUGHT
 
     def invoke(self, ctx: Any) -> Any:
         """Lets no library decide the exit code: typer makes 1 of these two, whoever raised them."""

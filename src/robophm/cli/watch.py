@@ -177,8 +177,9 @@ def run(design: Path, asked: Watched) -> bool:
             gc.freeze()  # what is there now stays: not to be looked through again and again while the robot runs
             monitor = watch(
                 robot, source, store=kept, journal=written, period=asked.period, sinks=[*sinks, shown],
-                task_topics=topics_to_hear(asked.tasks, asked.namespace), speed=speed, functions=asked.functions,
-                on_clock=warn, on_start=lambda _: supervisor.ready("watching"), on_tick=supervisor.alive,
+                task_topics=topics_to_hear(asked.tasks, asked.namespace, source.task_topics), speed=speed,
+                functions=asked.functions, on_clock=warn, on_start=lambda _: supervisor.ready("watching"),
+                on_tick=supervisor.alive,
             )  # fmt: skip
         supervisor.ending()
         health = monitor.report(alarms=True)

@@ -131,7 +131,8 @@ class Pyramid:
         if not (np.array_equal(there.times, told.times) and np.array_equal(there.number, told.number)):
             raise DamagedError(_MISSING)
         asked = (found.times >= begin) & (found.times < end)
-        return FigureSeries(width, *(one[asked] for one in found[1:]))
+        of, low, mean, high = found.number, found.low, found.mean, found.high
+        return FigureSeries(width, found.times[asked], of[asked], low[asked], mean[asked], high[asked])
 
     def _days(self, number: int) -> tuple[int, int]:
         """How many days there are, and all their checksums together."""

@@ -268,7 +268,8 @@ class Monitoring:
                 tapped = _Tapped(source, board, run)
                 monitor = watch(
                     run.robot, tapped, store=store, journal=journal, period=self._period, on_tick=look, on_start=begin,
-                    task_topics=TASK_TOPICS if isinstance(source, LiveSource) else (), on_task=run.judged.append,
+                    task_topics=(*TASK_TOPICS, *source.task_topics) if isinstance(source, LiveSource) else (),
+            on_task=run.judged.append,
                 )  # fmt: skip
                 newest = monitor.ledger.newest or 0
                 monitor.marks = [mark for mark in monitor.marks if mark[0] <= newest]

@@ -17,6 +17,7 @@ from robophm.monitoring.recording_sessions import sessions_of
 from robophm.transports.recordings.formats.ulog import NO_UTC, UlogRecording
 from robophm.transports.recordings.opening import open_source
 
+from ...drafting.px4_flight import fly
 from ..written.ulog import GPS, START, data, head, listens, message
 
 BATTERY = (
@@ -174,12 +175,27 @@ schema_version: 1
 name: drone
 acceleration: {model: q10, reference_temperature: 40 degC}
 signals:
-  temperature: {topic: /battery_status, field: voltage_v, unit: degC}
+  temperature: {topic: /battery_status, field: worst.left, unit: degC}
 modules:
   Power:
     components:
       Battery: {mtbf: 100000 h}
 """
+
+
+def test_a_topic_has_the_type_and_units_of_its_message_and_says_how_many_elements_there_are(tmp_path: Path) -> None:
+    """As PX4's bridge names it in ROS 2, so that it is known there and here alike."""
+    source = open_source(fly(tmp_path / "flight.ulg", 10))
+    infos = {info.topic: info for info in source.topics()}
+    assert infos["/battery_status"].type == "px4_msgs/msg/BatteryStatus"
+    assert infos["/esc_status"].type == "px4_msgs/msg/EscStatus"
+    assert [one for one in infos["/esc_status"].elements if "temperature" in one] == [
+        f"esc[{number}].esc_temperature" for number in range(8)
+    ]
+    assert UlogRecording.type_of(source, "/vehicle_status_v1_1") == "px4_msgs/msg/VehicleStatus"
+    (tmp_path / "robot.yaml").write_text(DESIGN.replace("worst.left", "voltage_v"))
+    with pytest.raises(SourceError, match="voltage_v is in 'V'; the design expects 'degC'"):
+        robophm.replay(robophm.load(tmp_path / "robot.yaml"), tmp_path / "flight.ulg")
 
 
 def test_a_folder_of_flights_is_lived_in_order_of_time(tmp_path: Path) -> None:

@@ -2,7 +2,7 @@ import { type ReactNode, useEffect } from "react";
 import type { Health, Shapes } from "../lib/api";
 import { horizon, useHealth } from "../lib/health";
 import { useDesign, useShared, useUnit } from "../lib/store";
-import { everyPart, treeOf } from "../lib/tree";
+import { isEmpty } from "../lib/tree";
 import { chanceWords, durationText, marked, momentText, moreText, numberText, oddsText, percentText, rateText, secondsText, type Unknown } from "../lib/words";
 import { Bars } from "../parts/Bars";
 import { Select } from "../parts/Field";
@@ -16,7 +16,7 @@ export const page = { name: "Overview", icon: ICONS.pulse, order: 10 };
 export default function Overview(): ReactNode {
   const design = useDesign();
   const { health, error } = useHealth();
-  const empty = design !== null && ![...everyPart(treeOf(design))].some((part) => part.kind === "component");
+  const empty = design !== null && isEmpty(design);
   useEffect(() => {
     if (empty) location.replace("#/new");
   }, [empty]);

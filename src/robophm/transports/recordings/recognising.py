@@ -36,8 +36,13 @@ def formats() -> dict[str, RecordingFormat]:
 
 
 def suffixes() -> frozenset[str]:
-    """The usual suffixes of recordings of all formats."""
+    """The suffixes by which recordings are told where their content does not tell."""
     return frozenset(suffix for one in formats().values() for suffix in one.suffixes)
+
+
+def usual_suffixes() -> frozenset[str]:
+    """The usual suffixes of recordings of all formats, those among them that tell nothing."""
+    return suffixes().union(*(one.ambiguous_suffixes for one in formats().values()))
 
 
 class Look(NamedTuple):

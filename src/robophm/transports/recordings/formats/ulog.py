@@ -8,6 +8,7 @@ be wrong.
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import redirect_stdout
 from functools import partial
@@ -40,6 +41,11 @@ class UlogRecording(LoggedRecording):
 
     Raises SourceError where it is none, larger than 1 GiB, or pyulog is missing; EmptyError where it has no message.
     """
+
+    def type_of(self, topic: str) -> str:
+        """The type as PX4's bridge to ROS 2 has it: of /battery_status_1 it is px4_msgs/msg/BatteryStatus."""
+        name = re.sub(r"(_v\d+)?(_\d+)?\Z", "", topic.strip("/"))
+        return f"px4_msgs/msg/{''.join(word.capitalize() for word in name.split('_'))}"
 
     def _read(self, topics: Collection[str] | None) -> dict[str, LoggedTopic]:
         with redirect_stdout(io.StringIO()):  # where pyulog says of damage what is asked of it below
