@@ -45,6 +45,7 @@ COMMANDS = {
     "simulate": "Let robots of a design work and really fail: their recordings, tasks and failures.",
     "doctor": "Say what is installed here and whether it works.",
     "data": "Look at measured data: `robophm data BAGS` lists it.",
+    "alarms": "The alarms of a robot: which go on, since when and why, and who has taken note of them.",
     "store": "Look after a store, where a robot's past is kept.",
 }  # fmt: skip
 """Each with the first line of its help."""
@@ -52,7 +53,7 @@ COMMANDS = {
 GROUPS = {
     "A robot's design": ("new", "bind", "check", "show", "import-bom", "import-legacy", "schema"),
     "Rates of parts": ("parts", "models", "rate"),
-    "Health, recorded and live": ("replay", "watch", "topics", "report", "serve", "data", "service", "store"),
+    "Health, recorded and live": ("replay", "watch", "topics", "report", "serve", "alarms", "data", "service", "store"),
     "What lies ahead, and why": ("predict", "task", "importance", "why"),
     "Structure and faults": ("cutsets", "fault-tree", "fmeca", "diagnose"),
     "Learning and upkeep": ("learn", "fit", "wear", "maintain", "calibrate"),

@@ -16,7 +16,7 @@ from robophm.stores.store import Store
 
 __all__ = ["Address", "Store", "existing_store", "open_store", "stores"]
 
-NOT_PLUGS = ("store",)  # the interface
+NOT_PLUGS = ("store", "alarm_log", "sqlite_alarms")  # the interface, and the logs of alarms
 
 Address = str | os.PathLike[str]
 """Which store, and where: ``sqlite:robots.db``; a path alone is one in SQLite."""

@@ -12,6 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from robophm.core.errors import StoreError
+from robophm.stores.alarm_log import AlarmLog
+from robophm.stores.sqlite_alarms import SqliteAlarms
 from robophm.stores.store import Progress, Store
 
 VERSION = 2
@@ -123,6 +125,10 @@ class SqliteStore(Store):
     def bring_back(self, robot: str, ledger: Mapping[str, Any], time: int) -> None:
         """Keep a ledger that was brought back to a time [ns], and no report of a later one. Raises StoreError."""
         self._save(robot, ledger, (), (), time)
+
+    def alarm_log(self, robot: str) -> AlarmLog:
+        """Return the log of a robot's alarms, in a table beside the others."""
+        return SqliteAlarms(self._base, robot, self._errors)
 
     def copy_to(self, path: Path) -> None:
         """Copy all of it into a new file. Raises StoreError where that is there, or cannot be written."""

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 from robophm.core.errors import StoreError
+from robophm.stores.alarm_log import AlarmLog, AlarmsInMemory
 
 
 class Progress(NamedTuple):
@@ -63,6 +64,11 @@ class Store(ABC):
 
         Raises StoreError, also where the ledger has been saved by somebody else since this store read it.
         """
+
+    def alarm_log(self, robot: str) -> AlarmLog:
+        """Return the log of a robot's alarms; one that lasts as long as the store is open, unless it keeps a better."""
+        logs: dict[str, AlarmLog] = vars(self).setdefault("_alarm_logs", {})
+        return logs.setdefault(robot, AlarmsInMemory())
 
     def bring_back(self, robot: str, ledger: Mapping[str, Any], time: int) -> None:
         """Keep a ledger that was brought back to a time [ns], and no report of a later one. Raises StoreError."""

@@ -7,7 +7,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -17,15 +17,18 @@ from robophm.core.signal import Sample
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
 from robophm.health.report import HealthReport
-from robophm.health.reporting import health_report
+from robophm.health.reporting import health_report, with_earlier_look
 from robophm.health.why import Explanation, explain
+from robophm.monitoring.alarm_watch import AlarmWatch
 from robophm.monitoring.live_loop import watch
 from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.notices import Notices
 from robophm.monitoring.replay import kept_ledger
 from robophm.monitoring.stored_past import unknown_robot
 from robophm.monitoring.task_history import TaskRecord, judge_on_the_way
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.stores import Address, open_store, store_exists
+from robophm.stores.alarm_log import AlarmLog, AlarmsInMemory
 from robophm.stores.memory import MemoryStore
 from robophm.stores.store import Progress, Store
 from robophm.transports.recordings.journal import Journal
@@ -83,6 +86,8 @@ class Run:
     """Tasks of a robot that tells of them."""
     looks: int = 0
     """Number of reports so far."""
+    played: _PastAlone | None = None
+    """The past that it goes on with, where that is in no store."""
 
 
 class _Tapped(LiveSource):
@@ -129,12 +134,14 @@ class Monitoring:
     """Watches one robot at a time; for any number of threads."""
 
     def __init__(
-        self, store: Address | None = None, journal: Path | None = None, period: float = 1.0, *, own: bool = False
-    ) -> None:
+        self, store: Address | None = None, journal: Path | None = None, period: float = 1.0, *, own: bool = False,
+        notices: Notices | None = None,
+    ) -> None:  # fmt: skip
         """Keep the robot's past in a store, or without one as long as this lives.
 
         ``own``: the store is of this robot alone, and not of what recordings are played of.
         """
+        self._notices = notices or Notices()
         self._store, self._journal, self._period, self._own = store, journal, period, own
         self._played: dict[str, _PastAlone] = {}
         """Pasts that are in no store, by the name of their source: of recordings until their end."""
@@ -171,6 +178,7 @@ class Monitoring:
             self.board = Board(robot.max_ages, robot.max_gap)
             self._source = source
             self.run = run = Run(robot, choice.label, design_state)
+            run.played = store if isinstance(store, _PastAlone) else None
             said = (run, source, told, self.board, choice)
             self._thread = threading.Thread(target=self._watch, args=said, name="monitoring", daemon=True)
             self._thread.start()
@@ -220,6 +228,17 @@ class Monitoring:
             with open_store(self._store) as store:
                 self._kept(robot, store)
 
+    @contextmanager
+    def alarm_log(self, robot: Robot) -> Iterator[AlarmLog]:
+        """The log of a robot's alarms: of the latest run, else of the store, else an empty one. Raises StoreError."""
+        if self.run and self.run.played:
+            yield self.run.played.alarm_log(robot.identity)
+        elif self._store and store_exists(self._store):
+            with open_store(self._store) as store:
+                yield store.alarm_log(robot.identity)
+        else:
+            yield AlarmsInMemory()
+
     def pasts(self, identity: str) -> list[Mapping[str, Any]]:
         """Return the pasts of a robot by its identity, as ledgers keep them: of the latest run, and of the store.
 
@@ -241,7 +260,8 @@ class Monitoring:
                 stack.callback(source.close)
                 store = stack.enter_context(self._store_of(choice))
                 journal = stack.enter_context(Journal(self._journal, run.robot.signals)) if self._journal else None
-                look = _Looking(run, board)
+                alarms = AlarmWatch(run.robot, store.alarm_log(run.robot.identity), [self._notices.of(run.robot.name)])
+                look = _Looking(run, board, alarms)
 
                 def begin(monitor: Monitor) -> None:
                     look.warm(monitor)
@@ -271,8 +291,8 @@ class Monitoring:
 class _Looking:
     """Takes a report when it is time to: so that looking takes a tenth of the time at most."""
 
-    def __init__(self, run: Run, board: Board) -> None:
-        self._run, self._board = run, board
+    def __init__(self, run: Run, board: Board, alarms: AlarmWatch) -> None:
+        self._run, self._board, self._alarms = run, board, alarms
         self._wear = WearWatch(run.robot, alarms=True)
         self._due = {False: 0.0, True: 0.0}
 
@@ -306,6 +326,7 @@ class _Looking:
         if full:
             _ = report.failures_to_come  # here, so that whoever looks does not wait for it
             run.lives, run.why = report, explain(report)
+        self._alarms.look(with_earlier_look(report, run.lives) if run.lives and not full else report)
         run.looks += 1
         if report.time is not None:
             self._board.add_all(report.time, figures_of(report))

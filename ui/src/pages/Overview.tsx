@@ -26,7 +26,13 @@ export default function Overview(): ReactNode {
       <div className="head">
         <h1>{design.name}</h1>
         {health && <State of={health.state} limited={health.limits_set} />}
-        {health && !health.limits_set && <span className="quiet small">no thresholds are set: nothing is called too low</span>}
+        {health && !health.limits_set && <span className="quiet small">no thresholds are set: nothing is called too low (<a href="#/settings">set some</a>)</span>}
+        {health && health.alarms > 0 && (
+          <a href="#/alarms">
+            {health.alarms} {health.alarms === 1 ? "alarm" : "alarms"}
+            {health.unacknowledged > 0 && `, ${health.unacknowledged} not acknowledged`}
+          </a>
+        )}
         <span className="quiet small">{health?.time != null && `up to ${momentText(health.time)}`}</span>
         <span className="grow" />
         <Watching />

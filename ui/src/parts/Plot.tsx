@@ -27,8 +27,15 @@ export interface PlotProps {
   height?: number;
   /** Spans of x in which a sensor was silent. */
   gaps?: [number, number][];
+  /** Limits of what is drawn: a line each, where it is in sight; said in words wherever it is. */
+  limits?: Limit[];
   empty?: string;
   children?: ReactNode;
+}
+
+export interface Limit {
+  value: number;
+  severity: "error" | "warn";
 }
 
 const DASH = [6, 4];
@@ -47,12 +54,14 @@ function joined(curves: Curve[], log: boolean): AlignedData {
   return uPlot.join(curves.map((one) => [one.x, sound(one.y)] as AlignedData));
 }
 
-export function Plot({ title, curves, xLabel, yLabel, time, log = false, height = 230, gaps, empty, children }: PlotProps): ReactNode {
+export function Plot({ title, curves, xLabel, yLabel, time, log = false, height = 230, gaps, limits, empty, children }: PlotProps): ReactNode {
   const box = useRef<HTMLDivElement>(null);
   const under = useRef<HTMLSpanElement>(null);
   const plot = useRef<uPlot | null>(null);
   const shaded = useRef(gaps);
   shaded.current = gaps;
+  const lines = useRef(limits);
+  lines.current = limits;
   const { theme } = useShared(preferences);
   const [zoomed, setZoomed] = useState(false);
   const held = useRef(false);
@@ -92,6 +101,7 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
         ],
         hooks: {
           drawClear: [(u) => shade(u, shaded.current ?? [])],
+          draw: [(u) => rule(u, lines.current ?? [])],
           setCursor: [(u) => void (under.current && (under.current.textContent = underCursor(u, time)))],
           setSelect: [
             () => {
@@ -164,6 +174,11 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
         {title} <span className="quiet small">{yLabel}</span>
       </h3>
       {legend}
+      {!!limits?.length && (
+        <p className="small quiet limits">
+          {limits.map((one) => `${one.severity === "error" ? "limit" : "warning"} ${numberText(one.value, 5)}`).join(", ")}
+        </p>
+      )}
       {some ? <div ref={box} role="img" aria-label={words.current.text} /> : <p className="quiet">{empty ?? "No data yet."}</p>}
       {children}
       <div className="tools">
@@ -256,6 +271,23 @@ function spread(low: number, high: number): [number, number] {
   }
   const pad = 0.07 * (high - low);
   return [low >= 0 && low < 0.25 * high ? 0 : low - pad, high + pad];
+}
+
+/** A line across at each limit that is in sight. */
+function rule(u: uPlot, limits: Limit[]): void {
+  u.ctx.save();
+  u.ctx.lineWidth = devicePixelRatio;
+  u.ctx.setLineDash([2 * devicePixelRatio, 3 * devicePixelRatio]);
+  for (const { value, severity } of limits) {
+    const y = u.valToPos(value, "y", true);
+    if (!(y >= u.bbox.top && y <= u.bbox.top + u.bbox.height)) continue;
+    u.ctx.strokeStyle = css(`--${severity}`);
+    u.ctx.beginPath();
+    u.ctx.moveTo(u.bbox.left, y);
+    u.ctx.lineTo(u.bbox.left + u.bbox.width, y);
+    u.ctx.stroke();
+  }
+  u.ctx.restore();
 }
 
 function shade(u: uPlot, gaps: [number, number][]): void {
