@@ -89,7 +89,7 @@ def test_silence_neither_ends_nor_begins_an_alarm_and_is_told() -> None:
     (open_,) = [one for one in course.alarms.open.values() if one.what == above]
     assert open_.doubt == f"rests on silence of {T}"
     assert course.spans(silent) == [(5, None)]
-    assert course.log[-1].cause == f"{T} is silent: whether it is above 40 is not known"
+    assert course.log[-1].cause == f"{T} is silent: whether it is above 40 °C is not known"
     course.hear(50.0)
     assert course.alarms.open[above].doubt == ""
     assert course.spans(silent) == [(5, 11)]

@@ -64,4 +64,4 @@ def _print(name: str, alarms: list[Alarm], limits: str) -> None:
 
 
 def _state(one: Alarm) -> str:
-    return f"not known: {one.doubt}" if one.doubt else "goes on"
+    return f"not known: {one.doubt}" if one.doubt else "active"

@@ -134,7 +134,7 @@ def _conditions(report: HealthReport, *, is_on: bool) -> Iterator[_Condition]:
         if one.figure == "signal":
             silent.setdefault(one.path, [])
     for signal, limits in silent.items():
-        unknown = " and ".join(f"{'above' if one.above else 'below'} {one.level.limit:g}" for one in limits)
+        unknown = " or ".join(one.beyond for one in limits)
         words = f"{signal} is silent: whether it is {unknown} is not known" if limits else f"{signal} is heard again"
         yield _Condition(f"warn {signal} silent", signal, "warn", bool(limits) and is_on, not limits, words)
     for worn in report.wear:

@@ -56,15 +56,23 @@ class LimitedValue:
         return value <= bound if self.above else value >= bound
 
     @property
+    def beyond(self) -> str:
+        """Say where the value must not be: "above 40 °C"."""
+        limit = f"{self.level.limit:.4g}" if self.figure == "hazard_rate" else f"{self.level.limit:g}"
+        return f"{'above' if self.above else 'below'} {limit}{self._unit}"
+
+    @property
     def words(self) -> str:
         """Say how the value stands to its limit: "hazard rate 2e-05 /h is above 1e-05 /h"."""
-        unit = f" {self.unit.replace('degC', '°C')}" if self.unit else ""
-        limit = f"{self.level.limit:.4g}" if self.figure == "hazard_rate" else f"{self.level.limit:g}"
-        name, beyond = _NAMES.get(self.figure, ""), f"{'above' if self.above else 'below'} {limit}{unit}"
+        name = _NAMES.get(self.figure, "")
         if self.value is None:
-            return f"{name or 'its value'} is not known, nor whether it is {beyond}"
+            return f"{name or 'its value'} is not known, nor whether it is {self.beyond}"
         value = f"{self.value:.6g}" if self.figure in ("reliability", "completion") else f"{self.value:.4g}"
-        return f"{name} {value}{unit} is {'' if self.broken else 'not '}{beyond}".lstrip()
+        return f"{name} {value}{self._unit} is {'' if self.broken else 'not '}{self.beyond}".lstrip()
+
+    @property
+    def _unit(self) -> str:
+        return f" {self.unit.replace('degC', '°C')}" if self.unit else ""
 
     @property
     def said(self) -> str:

@@ -6,7 +6,6 @@ import { prefer, preferences, sayError, useShared } from "../lib/store";
 import { momentText } from "../lib/words";
 import { Text } from "../parts/Field";
 import { Icon, ICONS } from "../parts/Icon";
-import { Table } from "../parts/Table";
 
 export const page = { name: "Alarms", icon: ICONS.bell, order: 55 };
 
@@ -29,7 +28,7 @@ export default function Alarms(): ReactNode {
     <>
       <div className="head">
         <h1>Alarms</h1>
-        <span className="quiet small">{found && (going.length ? `${going.length} ${going.length === 1 ? "goes" : "go"} on` : "none goes on")}</span>
+        <span className="quiet small">{found && (`${going.length || "none"} active`)}</span>
       </div>
       {health && !health.limits_set && (
         <p>
@@ -39,15 +38,18 @@ export default function Alarms(): ReactNode {
       {health && health.monitoring !== "running" && <p className="quiet">The robot is not watched: alarms neither begin nor end meanwhile.</p>}
       {found && (
         <section className="card">
-          <h2>Going on</h2>
-          {going.length > 0 && <Text label="Acknowledge as" hint="your name" value={name} set={(said) => prefer({ name: said })} />}
-          <Log alarms={going} none="Nothing at present." label="Alarms that go on" acknowledge={name.trim() ? (one) => void acknowledge(one) : null} />
+          <div className="row">
+            <h2>Active</h2>
+            <span className="grow" />
+            {going.length > 0 && <Text label="Acknowledge as" placeholder="your name" value={name} set={(said) => prefer({ name: said })} />}
+          </div>
+          <Log alarms={going} none="None at present." label="Active alarms" acknowledge={name.trim() ? (one) => void acknowledge(one) : null} />
         </section>
       )}
       {ended.length > 0 && (
         <section className="card" style={{ marginTop: 16 }}>
-          <h2>Over</h2>
-          <Log alarms={ended} none="" label="Alarms that are over" />
+          <h2>Cleared</h2>
+          <Log alarms={ended} none="" label="Cleared alarms" />
         </section>
       )}
     </>
@@ -57,37 +59,33 @@ export default function Alarms(): ReactNode {
 function Log({ alarms, none, label, acknowledge }: { alarms: Alarm[]; none: string; label: string; acknowledge?: ((one: Alarm) => void) | null }): ReactNode {
   if (!alarms.length) return <p className="quiet">{none}</p>;
   return (
-    <Table label={label} columns={["Severity", "Began", "Ended", "Why", "Acknowledged"]}>
+    <ul className="alarms" aria-label={label}>
       {alarms.map((one) => (
-        <tr key={one.number}>
-          <td>
-            <span className={`state ${one.severity}`}>
-              <Icon name={one.severity} /> {one.severity.toUpperCase()}
+        <li key={one.number}>
+          <span className={`state ${one.severity}`}>
+            <Icon name={one.severity} /> {one.severity.toUpperCase()}
+          </span>
+          <div className="grow">
+            <strong>{one.cause}</strong>
+            {one.doubt && one.end == null && <p className="small">Not known whether it is still so: it {one.doubt}.</p>}
+            <p className="small quiet">
+              since {momentText(one.begin)}
+              {one.end != null && `, until ${momentText(one.end)}: ${one.ended_by}`}
+            </p>
+          </div>
+          {one.acknowledged_by ? (
+            <span className="small quiet" title={momentText(one.acknowledged_at)}>
+              acknowledged by {one.acknowledged_by}
             </span>
-          </td>
-          <td>{momentText(one.begin)}</td>
-          <td>{one.end != null ? momentText(one.end) : one.doubt ? <span className="state stale">not known</span> : "goes on"}</td>
-          <td>
-            {one.cause}
-            {one.doubt && one.end == null && <div className="small quiet">Whether it goes on is not known: it {one.doubt}.</div>}
-            {one.ended_by && <div className="small quiet">{one.ended_by}</div>}
-          </td>
-          <td>
-            {one.acknowledged_by ? (
-              <>
-                {one.acknowledged_by}
-                <div className="small quiet">{momentText(one.acknowledged_at)}</div>
-              </>
-            ) : acknowledge !== undefined ? (
+          ) : (
+            acknowledge !== undefined && (
               <button disabled={!acknowledge} title={acknowledge ? undefined : "Say who you are first"} onClick={() => acknowledge?.(one)} aria-label={`Acknowledge alarm ${one.number}`}>
                 Acknowledge
               </button>
-            ) : (
-              "–"
-            )}
-          </td>
-        </tr>
+            )
+          )}
+        </li>
       ))}
-    </Table>
+    </ul>
   );
 }

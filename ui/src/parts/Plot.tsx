@@ -140,6 +140,9 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
     });
   }, [curves, log, seen]);
 
+  const bounds = limits?.map((one) => `${one.severity} ${one.value}`).join();
+  useEffect(() => plot.current?.redraw(false), [bounds, shape, some]);
+
   const reset = (): void => {
     held.current = false;
     setZoomed(false);
@@ -276,8 +279,8 @@ function spread(low: number, high: number): [number, number] {
 /** A line across at each limit that is in sight. */
 function rule(u: uPlot, limits: Limit[]): void {
   u.ctx.save();
-  u.ctx.lineWidth = devicePixelRatio;
-  u.ctx.setLineDash([2 * devicePixelRatio, 3 * devicePixelRatio]);
+  u.ctx.lineWidth = 1.5 * devicePixelRatio;
+  u.ctx.setLineDash([4 * devicePixelRatio, 2 * devicePixelRatio]);
   for (const { value, severity } of limits) {
     const y = u.valToPos(value, "y", true);
     if (!(y >= u.bbox.top && y <= u.bbox.top + u.bbox.height)) continue;
