@@ -20,6 +20,7 @@ from robophm.design.task import Task
 from robophm.design.task_checks import check_task
 from robophm.health.doubtful_signals import Doubt
 from robophm.health.failures_to_come import FailuresToCome, failures_to_come
+from robophm.health.ledger import SuspectTime
 from robophm.health.limits import LimitedValue, Severity, limited_signals, limited_values
 from robophm.health.mission import Completion, completion
 from robophm.health.outlooks import View
@@ -95,6 +96,8 @@ class HealthReport:
     """Signals of stress that may not be true, and what that would mean. The figures take them as they are."""
     heard: Mapping[str, float] = field(default_factory=dict)
     """The last values that still hold of the signals of stress, where the design limits any."""
+    suspect_time: tuple[SuspectTime, ...] = ()
+    """Stretches in which the machine's clock was not plausible, so that time went on without it."""
 
     @property
     def design(self) -> Robot:
@@ -240,6 +243,7 @@ class HealthReport:
             "breaches": list(self.breaches),
             "warnings": list(self.warnings),
             "notes": list(self.notes),
+            "suspect_time": [one._asdict() for one in self.suspect_time],
         }
 
     def __repr__(self) -> str:
