@@ -253,7 +253,7 @@ class ExposureIntegrator:
                 }
         return held | means
 
-    def heard(self, ledger: Ledger) -> dict[str, float]:
+    def last_values(self, ledger: Ledger) -> dict[str, float]:
         """Return the last values that still hold of signals of stress, by name, as their messages have them."""
         now, found = ledger.integrated_to, dict[str, float]()
         for key, channel in self.channels.items():

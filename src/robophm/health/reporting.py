@@ -129,7 +129,7 @@ def health_now(
         views,
         wear=tuple(wear),
         doubts=doubtful,
-        heard=exposure.heard(ledger) if robot.limits_signals else {},
+        heard=exposure.last_values(ledger) if robot.limits_signals else {},
         suspect_time=tuple(ledger.suspect_time),
     )
 
