@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -14,6 +15,8 @@ from robophm.core.signal import CLOCK, SECOND, Sample
 from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.health.alarms import Alarm, Alarms
+from robophm.health.doubtful_signals import Doubt, DoubtfulSignal
+from robophm.health.worn import SeenWear, WearAlarm
 from robophm.monitoring.monitor import Monitor
 
 START = 1_700_000_040 * SECOND
@@ -126,6 +129,27 @@ def test_parts_have_limits_and_alarms_go_on_in_another_run() -> None:
     other = Course(robot({}), (one,))
     other.hear(45.0)
     assert other.log[-1].ended_by.startswith("nothing looks for it any more")
+
+
+def test_wear_its_changes_and_doubtful_signals_are_alarms_too() -> None:
+    course = Course(robot({}))
+    course.hear(25.0)
+    report = course.monitor.report(remaining_life=False)
+    change = WearAlarm(START, START, None, 7.0, 5.0)
+    worn = SeenWear("motor", "motor", "/m.current", "reached", "h", 9, 6.0, last=7.0, alarms=(change,))
+    doubt = Doubt(DoubtfulSignal(T, T, "has said 25 to the last digit", "if it is silent", None), 0.01, None)
+    began = course.alarms.look(replace(report, wear=(worn,), doubts=(doubt,)))
+    assert {one.what: (one.severity, one.cause) for one in began} == {
+        "wear of motor": ("error", "wear of motor: has reached 6: it counts as failed"),
+        "change of motor": ("warn", f"/m.current of motor {change.words}"),
+        f"doubt of {T}": ("warn", f"{T} has said 25 to the last digit"),
+    }
+    assert course.alarms.look(replace(report, wear=(worn,), doubts=(doubt,))) == []
+    well = replace(worn, state="no trend", alarms=(replace(change, end=START + 9),))
+    ended = course.alarms.look(replace(report, wear=(well,)))
+    assert {one.what for one in ended} == {one.what for one in began}
+    assert all(one.end == report.time for one in ended)
+    assert course.alarms.open == {}
 
 
 @pytest.mark.parametrize(

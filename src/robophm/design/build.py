@@ -23,7 +23,7 @@ from robophm.design.references import place_of
 from robophm.design.robot import Component, FailureMode, MeasuredClock, Module, Robot, Usage
 from robophm.design.scope import Scope
 from robophm.design.sensor_inputs import ChannelBuilder, SensorCover, assumed, undriven
-from robophm.design.thresholds import Thresholds
+from robophm.design.thresholds import NO_LIMITS
 from robophm.parts import FIGURES
 from robophm.parts import part as library_part
 
@@ -156,7 +156,7 @@ class _Builder:
             for name, component in level.components.items()
         )
         placeholder = blocks.Unit("")
-        thresholds = Thresholds()
+        thresholds = NO_LIMITS
         if isinstance(level, schema.Module):
             thresholds = build_thresholds((*place, "thresholds"), level.thresholds)
         text = level.description or ""
@@ -201,7 +201,7 @@ class _Builder:
         component = Component(
             name, part.quantity, required, part.monitored, modes, names, scope.duty, part.description or "",
             identity=scope.identity, identified=part.identity is not None,
-            thresholds=build_thresholds((*place, "thresholds"), part.thresholds) if part.thresholds else Thresholds(),
+            thresholds=build_thresholds((*place, "thresholds"), part.thresholds) if part.thresholds else NO_LIMITS,
         )  # fmt: skip
         self.components[name] = component
         if any(mode.acceleration != "none" for mode in part.failure_modes.values() or [part]):

@@ -19,7 +19,7 @@ from robophm.core.argument_checks import one_of
 from robophm.core.errors import DesignError
 from robophm.design.robot_table import robot_table
 from robophm.design.task import Plan, Task, TaskStress
-from robophm.design.thresholds import Thresholds
+from robophm.design.thresholds import NO_LIMITS, Thresholds
 from robophm.design.wear_signal import WearSignal
 from robophm.hazard.model import Evaluation, Model
 from robophm.life.distribution import LifeDistribution
@@ -209,7 +209,7 @@ class Component:
     """Path under which its past is kept; its own unless the design states another."""
     identified: bool = False
     """Whether the design states its identity itself."""
-    thresholds: Thresholds = field(default_factory=Thresholds)
+    thresholds: Thresholds = NO_LIMITS
 
     @property
     def name(self) -> str:
@@ -244,7 +244,7 @@ class Module:
     diagram: Block
     """The diagram expanded: units are those of components."""
     description: str = ""
-    thresholds: Thresholds = field(default_factory=Thresholds)
+    thresholds: Thresholds = NO_LIMITS
 
     @property
     def name(self) -> str:
@@ -340,11 +340,16 @@ class Robot(Module):
         """Every failure mode, in design order, then those of common causes."""
         return tuple(mode for component in self.all_components() for mode in component.modes)
 
-    @property
+    @cached_property
+    def limited_parts(self) -> Mapping[int, Component]:
+        """Return the components that the design limits, by their places among all."""
+        return {i: part for i, part in enumerate(self.all_components()) if part.thresholds is not NO_LIMITS}
+
+    @cached_property
     def limited(self) -> bool:
         """Whether the design sets any limit at all: without one nothing can be called too low."""
-        levels: list[Module | Component] = [self, *self.all_modules(), *self.all_components()]
-        return any(one.thresholds.stated or one.thresholds.warning.stated for one in levels)
+        levels: list[Module | Component] = [self, *self.all_modules(), *self.limited_parts.values()]
+        return any(one.thresholds.limited for one in levels)
 
     @property
     def limits_signals(self) -> bool:

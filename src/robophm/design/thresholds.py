@@ -49,3 +49,12 @@ class Thresholds(Limits):
     warning: Limits = field(default_factory=Limits)
     survival: float | None = None
     """Value of survival ahead: remaining life is also stated as the time when survival falls to it; not a limit."""
+
+    @property
+    def limited(self) -> bool:
+        """Whether any limit is stated, of an error or a warning."""
+        return self.stated or self.warning.stated
+
+
+NO_LIMITS = Thresholds()
+"""The thresholds of what states none."""

@@ -116,6 +116,6 @@ def _by_severity(thresholds: Thresholds) -> tuple[tuple[Severity, Limits], ...]:
 def limits_of(robot: Robot) -> list[LimitedValue]:
     """Return all limits that a design states, without the values that they limit."""
     levels = [("", robot.thresholds), *((one.path, one.thresholds) for one in robot.all_modules())]
-    levels += [(one.path, one.thresholds) for one in robot.all_components()]
+    levels += [(one.path, one.thresholds) for one in robot.limited_parts.values()]
     figures = (one for path, thresholds in levels for one in limited_values(path, thresholds, {}))
     return [*figures, *limited_signals(robot, {})]

@@ -117,7 +117,8 @@ class HealthReport:
         for system, one in zip(systems(self.design), self.subjects, strict=True):
             path = "" if system.kind == "robot" else system.path
             found += limited_values(path, system.thresholds, one.sensor_based.limited, one.silence)
-        for part, health in zip(self.design.all_components(), self.components, strict=True):
+        for i, part in self.design.limited_parts.items():
+            health = self.components[i]
             found += limited_values(part.path, part.thresholds, health.limited, health.silence)
         return (*found, *limited_signals(self.design, self.heard))
 

@@ -169,10 +169,13 @@ def look_ahead(
         }  # fmt: skip
         subjects.append(_subject(system, one, ahead))
         pause()
-    for i, (part, diagram) in enumerate(zip(lived.plant.components, lived.plant.alone, strict=True)):
-        if parts or (remaining_life and (part.thresholds.remaining_life or part.thresholds.warning.remaining_life)):
-            components[i] = replace(components[i], remaining_life=lived.remaining_life(diagram))
-            pause()
+    limited = lived.plant.robot.limited_parts if remaining_life else {}
+    asked = [
+        i for i, part in limited.items() if part.thresholds.remaining_life or part.thresholds.warning.remaining_life
+    ]
+    for i in range(len(components)) if parts else asked:
+        components[i] = replace(components[i], remaining_life=lived.remaining_life(lived.plant.alone[i]))
+        pause()
     return replace(now, subjects=tuple(subjects), components=tuple(components))
 
 

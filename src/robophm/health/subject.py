@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 from robophm.blocks.diagram import Block
 from robophm.design.robot import Robot
 from robophm.design.task import Task
-from robophm.design.thresholds import Thresholds
+from robophm.design.thresholds import NO_LIMITS, Thresholds
 from robophm.health.mission import Completion, completion
 from robophm.health.prognosis import Outlook, RemainingLife
 from robophm.health.unknown_rates import PartsOfUnknownRate
@@ -45,7 +45,7 @@ def systems(robot: Robot) -> list[System]:
     return [
         System("robot", robot.name, robot.diagram, robot.thresholds),
         *(System("module", module.path, module.diagram, module.thresholds) for module in robot.all_modules()),
-        *(System("function", name, diagram, Thresholds()) for name, diagram in robot.functions.items()),
+        *(System("function", name, diagram, NO_LIMITS) for name, diagram in robot.functions.items()),
     ]
 
 

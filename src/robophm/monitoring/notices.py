@@ -32,8 +32,8 @@ MOST_WAITING = 1000
 TIMES = 5
 """How often a notice is tried."""
 
-FIRST_WAIT, LONGEST_WAIT = 1.0, 60.0
-"""Seconds between two tries: twice as many each time, at most the longest."""
+FIRST_WAIT = 1.0
+"""Seconds between the first two tries; then twice as many each time."""
 
 LONGEST_ANSWER = 10.0
 """Seconds to wait for an answer."""
@@ -110,11 +110,10 @@ class _Outlet:
             self._try(*notice)
 
     def _try(self, robot: str, alarm: Alarm) -> None:
-        wait, why = self._first_wait, ""
+        why = ""
         for count in range(TIMES):
-            if count and self._over.wait(wait):
+            if count and self._over.wait(self._first_wait * 2 ** (count - 1)):
                 break
-            wait = min(2 * wait, LONGEST_WAIT) if count else wait
             try:
                 self._send(robot, alarm)
             except (OSError, smtplib.SMTPException, ValueError) as error:

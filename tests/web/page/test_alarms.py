@@ -79,6 +79,7 @@ def test_an_alarm_is_seen_drawn_and_acknowledged(oven, visit, tmp_path):
     said = oven.get("/api/health")
     assert (said["alarms"], said["unacknowledged"], said["state"]) == (3, 3, "error")
     page = look.open("overview")
+    page.locator(".figure", has_text="Hazard rate").get_by_text("at most 2e-5 /h").wait_for()
     page.get_by_role("link", name="3 alarms, 3 not acknowledged").click()
     page.get_by_role("heading", name="Alarms").wait_for()
     row = page.get_by_role("list", name="Active alarms").get_by_role("listitem")
