@@ -129,7 +129,7 @@ def run(design: Path, asked: Watched) -> bool:
             raise KeyboardInterrupt
         (ends.pop(0) if len(ends) > 1 else ends[0])()  # who asks again does not want to wait
 
-    with ExitStack() as stack:
+    with Notices(asked.notify) as notices, ExitStack() as stack:
         for number in (signal.SIGINT, signal.SIGTERM):  # heeded until all is let go of; then there is nothing to end
             signal.signal(number, stop)
             stack.callback(signal.signal, number, signal.SIG_IGN)
@@ -146,7 +146,6 @@ def run(design: Path, asked: Watched) -> bool:
         not_yet = "nobody publishes yet" if opened.source.announced else "nothing was heard yet on"
         for words in dict.fromkeys(lacks.values()):
             warn(words.replace("the recording has no topic", not_yet))
-        notices = stack.enter_context(Notices(asked.notify))
         kept = stack.enter_context(open_store(asked.store)) if asked.store else None
         written = stack.enter_context(Journal(asked.journal, robot.signals)) if asked.journal else None
         sinks = []
