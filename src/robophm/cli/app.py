@@ -46,6 +46,7 @@ COMMANDS = {
     "simulate": "Let robots of a design work and really fail: their recordings, tasks and failures.",
     "doctor": "Say what is installed here and whether it works.",
     "data": "Look at measured data: `robophm data BAGS` lists it.",
+    "alarms": "The alarms of a robot: which go on, since when and why, and who has taken note of them.",
     "store": "Look after a store, where a robot's past is kept.",
 }  # fmt: skip
 """Each with the first line of its help."""
@@ -60,6 +61,7 @@ GROUPS = {
         "report",
         "history",
         "serve",
+        "alarms",
         "data",
         "service",
         "store",

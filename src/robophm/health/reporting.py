@@ -18,6 +18,7 @@ from robophm.health.draws import check_draws
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.failures_to_come import LONGEST
 from robophm.health.ledger import Ledger
+from robophm.health.limits import SEVERITIES, limited_values
 from robophm.health.mission import completion, plan_future
 from robophm.health.outlooks import FutureName, View, outlooks
 from robophm.health.plant import Plant
@@ -31,7 +32,6 @@ from robophm.health.subject import (
     Figures,
     Subject,
     System,
-    breached,
     figures_now,
     looking_ahead,
     silence,
@@ -93,12 +93,11 @@ def health_now(
     asked = task or robot.task
     doubtful = doubts(exposure, ledger, lived, robot.diagram, asked)
     numbers = np.stack([*rates, *(works for works, _ in survival), *(failed for _, failed in survival)], axis=1)
-    clocks = ledger.clocks.value
     return HealthReport(
         robot.name,
         robot.design_hash,
         ledger.integrated_to,
-        {name: float(total) for name, total in zip(("operating", "calendar", *robot.clocks), clocks, strict=True)},
+        _clocks(robot, ledger),
         tuple(
             _subject(
                 system,
@@ -135,6 +134,7 @@ def health_now(
         views,
         wear=tuple(wear),
         doubts=doubtful,
+        heard=exposure.last_values(ledger) if robot.limits_signals else {},
         suspect_time=tuple(ledger.suspect_time),
     )
 
@@ -147,6 +147,11 @@ def _check(robot: Robot, task: Task | None, future: FutureName, plan: Plan | Non
         check_plan(plan, robot)
     if knowledge is not None:
         check_knowledge(knowledge, robot)
+
+
+def _clocks(robot: Robot, ledger: Ledger) -> dict[str, float]:
+    names = ("operating", "calendar", *robot.clocks)
+    return {name: float(total) for name, total in zip(names, ledger.clocks.value, strict=True)}
 
 
 def look_ahead(
@@ -169,8 +174,12 @@ def look_ahead(
         }  # fmt: skip
         subjects.append(_subject(system, one, ahead))
         pause()
-    for i, diagram in enumerate(lived.plant.alone if parts else ()):
-        components[i] = replace(components[i], remaining_life=lived.remaining_life(diagram))
+    limited = lived.plant.robot.limited_parts if remaining_life else {}
+    asked = [
+        i for i, part in limited.items() if part.thresholds.remaining_life or part.thresholds.warning.remaining_life
+    ]
+    for i in range(len(components)) if parts else asked:
+        components[i] = replace(components[i], remaining_life=lived.remaining_life(lived.plant.alone[i]))
         pause()
     return replace(now, subjects=tuple(subjects), components=tuple(components))
 
@@ -233,8 +242,9 @@ class _Marks(NamedTuple):
 
 
 def _subject(system: System, marked: Subject | _Marks, of: Mapping[View, Figures]) -> Subject:
-    lived, limits = of["sensor_based"], system.thresholds
-    breaches, warnings = (tuple(breached(one, lived)) for one in (limits, limits.warning))
+    lived = of["sensor_based"]
+    limited = [one for one in limited_values("", system.thresholds, lived.limited) if one.broken]
+    breaches, warnings = (tuple(one.words for one in limited if one.severity == kind) for kind in SEVERITIES)
     marks = marked.flags, breaches, warnings, marked.silence, marked.unknown
     return Subject(system.kind, system.path, of["nominal"], lived, *marks)
 

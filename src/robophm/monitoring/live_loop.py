@@ -12,6 +12,7 @@ from robophm.core.errors import SourceError
 from robophm.core.signal import CLOCK, REORDERED, SECOND, Sample
 from robophm.design.robot import Robot
 from robophm.health.reporting import health_now
+from robophm.monitoring.alarm_watch import AlarmWatch
 from robophm.monitoring.clock_steps import ClockSteps
 from robophm.monitoring.live_tasks import LiveTasks
 from robophm.monitoring.look_ahead import LookAhead
@@ -45,6 +46,7 @@ def watch(
     speed: float | None = None, functions: Sequence[str] = (),
     on_start: Callable[[Monitor], None] | None = None, on_tick: Callable[[Monitor], None] | None = None,
     on_task: Callable[[JudgedTask], None] | None = None, on_clock: Callable[[str], None] | None = None,
+    alarms: AlarmWatch | None = None,
 ) -> Monitor:  # fmt: skip
     """Listen until the source is closed, from where the store's ledger stands; return the monitor as it is then.
 
@@ -52,7 +54,8 @@ def watch(
     ledger, bit for bit. Reports go to ``sinks`` with the remaining lives and completions last seen ahead; so do the
     tasks that ``task_topics`` of a live source tell of, ``speed`` [m/s] and ``functions`` being as of LiveTasks; what
     of them is not judged is in the source's notes. ``on_start`` is called before the first sample, ``on_tick`` after
-    each step, ``on_clock`` with words, at once, where the clock jumps ahead, or back so that nothing counts.
+    each step, ``alarms`` looks at each report that sinks are told,
+    ``on_clock`` with words, at once, where the clock jumps ahead, or back so that nothing counts.
 
     Where there are both a store and a journal, what an earlier watch wrote to that journal and could not save any more
     is taken into the ledger first.
@@ -64,7 +67,7 @@ def watch(
         return _Watch(
             robot=robot, source=source, store=store, journal=journal, period=period, sinks=sinks,
             task_topics=task_topics, speed=speed, functions=functions, on_start=on_start, on_tick=on_tick,
-            on_task=on_task, on_clock=on_clock,
+            on_task=on_task, on_clock=on_clock, alarms=alarms,
         ).run()  # fmt: skip
 
 
@@ -85,6 +88,7 @@ class _Watch:
     on_tick: Callable[[Monitor], None] | None
     on_task: Callable[[JudgedTask], None] | None
     on_clock: Callable[[str], None] | None
+    alarms: AlarmWatch | None
 
     def __post_init__(self) -> None:
         ledger = kept_ledger(self.robot, self.store) if self.store else None
@@ -195,6 +199,8 @@ class _Watch:
             settled = monitor.exposure.settled(monitor.ledger)
             wear = self._wear.latest(settled)
             report = self._ahead.beside(health_now(monitor.plant, monitor.exposure, settled, wear=wear))
+            if self.alarms:
+                self.alarms.look(report)
             for sink in self.sinks:
                 sink.publish(report)
         if self.task_topics:

@@ -17,7 +17,8 @@ from robophm.stores.store import Restored, Store
 __all__ = ["Address", "Store", "existing_store", "open_store", "stores"]
 
 NOT_PLUGS = (
-    "store", "events", "figures", "kept_events", "kept_history", "kept_reports", "migration", "pyramid",
+    "store", "alarm_log", "events", "figures", "kept_events", "kept_history", "kept_reports", "migration", "pyramid",
+    "sqlite_alarms",
 )  # fmt: skip
 """The interface, and what its plugs are built of."""
 

@@ -122,11 +122,11 @@ class CheckedTable(NamedTuple):
 
     def _there(self, base: sqlite3.Connection, robot: str) -> tuple[int, int] | None:
         """How many rows there are, and their checksums together; None where their keys are in no order to be found."""
-        names = ", ".join([*_names(self.key), "sum"])
+        names = ", ".join(["robot", *_names(self.key), "sum"])
         count, sums, last = 0, 0, None
         for *key, one in base.execute(f"SELECT {names} FROM {self.name} WHERE robot = ?", (robot,)):
             try:
-                if last is not None and not last < key:
+                if key[0] != robot or (last is not None and not last < key):
                     return None
             except TypeError:  # what was a number is none any more
                 return None

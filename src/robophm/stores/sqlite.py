@@ -19,10 +19,12 @@ from robophm.core.single_writer import only_one
 from robophm.stores._checked_rows import DamagedError
 from robophm.stores._good_state import KEEP_EVERY, good_file, keep_good, make_anew
 from robophm.stores._tables import LEDGER, PROGRESS, REPORT, TABLES, VERSION
+from robophm.stores.alarm_log import AlarmLog
 from robophm.stores.events import Event
 from robophm.stores.figures import FigureSeries
 from robophm.stores.kept_history import KeptHistory
 from robophm.stores.migration import known_version, migrate
+from robophm.stores.sqlite_alarms import SqliteAlarms
 from robophm.stores.store import MOST_EVENTS, MOST_POINTS, POINTS, NoRoomError, Progress, Restored, Store
 
 LONGEST_WAIT = 10.0
@@ -168,6 +170,10 @@ class SqliteStore(Store):
         """Keep a ledger that was brought back to a time [ns], and nothing of a later one. Raises StoreError."""
         with self._saving(robot, ledger):
             self._history.drop_after(robot, time)
+
+    def alarm_log(self, robot: str) -> AlarmLog:
+        """Return the log of a robot's alarms, in a table beside the others."""
+        return SqliteAlarms(self._base, robot, self._errors)
 
     def copy_to(self, path: Path) -> None:
         """Copy all of it into a new file. Raises StoreError where that is there, or cannot be written."""

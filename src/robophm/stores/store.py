@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 from robophm.core.errors import StoreError
+from robophm.stores.alarm_log import AlarmLog, AlarmsInMemory
 from robophm.stores.events import Event
 from robophm.stores.figures import FigureSeries
 
@@ -124,6 +125,11 @@ class Store(ABC):
     def alone(self, robot: str) -> Iterator[None]:
         """Be the only one who goes on with a robot's past, as long as the context lasts. Raises StoreError if not."""
         yield
+
+    def alarm_log(self, robot: str) -> AlarmLog:
+        """Return the log of a robot's alarms; one that lasts as long as the store is open, unless it keeps a better."""
+        logs: dict[str, AlarmLog] = vars(self).setdefault("_alarm_logs", {})
+        return logs.setdefault(robot, AlarmsInMemory())
 
     def bring_back(self, robot: str, ledger: Mapping[str, Any], time: int) -> None:
         """Keep a ledger that was brought back to a time [ns], and nothing of a later one. Raises StoreError."""

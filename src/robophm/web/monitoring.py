@@ -17,15 +17,18 @@ from robophm.core.signal import Sample
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
 from robophm.health.report import HealthReport
-from robophm.health.reporting import health_report
+from robophm.health.reporting import health_report, with_earlier_look
 from robophm.health.why import Explanation, explain
+from robophm.monitoring.alarm_watch import AlarmWatch
 from robophm.monitoring.live_loop import watch
 from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.notices import Notices
 from robophm.monitoring.replay import kept_ledger
 from robophm.monitoring.stored_past import unknown_robot
 from robophm.monitoring.task_history import TaskRecord, judge_on_the_way
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.stores import Address, open_store, store_exists
+from robophm.stores.alarm_log import AlarmLog, AlarmsInMemory
 from robophm.stores.memory import MemoryStore
 from robophm.stores.store import Store
 from robophm.transports.recordings.journal import Journal
@@ -126,12 +129,14 @@ class Monitoring:
     """Watches one robot at a time; for any number of threads."""
 
     def __init__(
-        self, store: Address | None = None, journal: Path | None = None, period: float = 1.0, *, own: bool = False
-    ) -> None:
+        self, store: Address | None = None, journal: Path | None = None, period: float = 1.0, *, own: bool = False,
+        notices: Notices | None = None,
+    ) -> None:  # fmt: skip
         """Keep the robot's past in a store, or without one as long as this lives.
 
         ``own``: the store is of this robot alone, and not of what recordings are played of.
         """
+        self._notices = notices or Notices()
         self._store, self._journal, self._period, self._own = store, journal, period, own
         self._played: dict[str, MemoryStore] = {}
         """Pasts that are in no store, by the name of their source: of recordings until their end."""
@@ -226,6 +231,17 @@ class Monitoring:
             with open_store(self._store) as store:
                 self._kept(robot, store)
 
+    @contextmanager
+    def alarm_log(self, robot: Robot) -> Iterator[AlarmLog]:
+        """The log of a robot's alarms: of the latest run, else of the store, else an empty one. Raises StoreError."""
+        if self._shown:
+            yield self._shown.alarm_log(robot.identity)
+        elif self._store and store_exists(self._store):
+            with open_store(self._store) as store:
+                yield store.alarm_log(robot.identity)
+        else:
+            yield AlarmsInMemory()
+
     def pasts(self, identity: str) -> list[Mapping[str, Any]]:
         """Return the pasts of a robot by its identity, as ledgers keep them: of the latest run, and of the store.
 
@@ -258,7 +274,8 @@ class Monitoring:
                 stack.callback(source.close)
                 store = stack.enter_context(self._store_of(choice))
                 journal = stack.enter_context(Journal(self._journal, run.robot.signals)) if self._journal else None
-                look = _Looking(run, board)
+                alarms = AlarmWatch(run.robot, store.alarm_log(run.robot.identity), [self._notices.of(run.robot.name)])
+                look = _Looking(run, board, alarms)
 
                 def begin(monitor: Monitor) -> None:
                     look.warm(monitor)
@@ -289,8 +306,8 @@ class Monitoring:
 class _Looking:
     """Takes a report when it is time to: so that looking takes a tenth of the time at most."""
 
-    def __init__(self, run: Run, board: Board) -> None:
-        self._run, self._board = run, board
+    def __init__(self, run: Run, board: Board, alarms: AlarmWatch) -> None:
+        self._run, self._board, self._alarms = run, board, alarms
         self._wear = WearWatch(run.robot, alarms=True)
         self._due = {False: 0.0, True: 0.0}
 
@@ -324,6 +341,7 @@ class _Looking:
         if full:
             _ = report.failures_to_come  # here, so that whoever looks does not wait for it
             run.lives, run.why = report, explain(report)
+        self._alarms.look(with_earlier_look(report, run.lives) if run.lives and not full else report)
         run.looks += 1
         if report.time is not None:
             self._board.add_all(report.time, figures_of(report))

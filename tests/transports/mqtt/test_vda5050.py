@@ -18,6 +18,7 @@ from typing import Any
 import pytest
 
 from robophm.core.signal import SECOND
+from robophm.stores import open_store
 from robophm.transports.mqtt import Mqtt
 
 from ..listener import Heard, within
@@ -124,6 +125,7 @@ signals:
   temperature: {topic: /state, unit: degC, max_age: 2 s, range: [-40, 125],
                 field: 'information[temperatures].infoReferences[left].referenceValue'}
 components: {motor: {rate: 0.01 /h, acceleration: {model: q10, reference_temperature: 31.5 degC}}}
+thresholds: {signals: {'/state.information[temperatures].infoReferences[left].referenceValue': {above: 40 degC}}}
 """
 
 
@@ -224,6 +226,7 @@ def test_watch_ages_by_what_it_says_and_tells_its_health(broker: Broker, robot: 
     robot.hear(f"{ROOT}/phm_hazard_rate")
     robot.hear(f"{ROOT}/diagnostics")
     words = ["watch", "robot.yaml", "--via", broker.address(ROOT), "--period", "0.5", "--every", "0.5", "--json"]
+    words += ["--store", "past.db"]
     process = subprocess.Popen(
         [sys.executable, "-m", "robophm", *words], cwd=tmp_path, text=True, stdout=subprocess.PIPE,
         stderr=subprocess.PIPE, env=os.environ,
@@ -232,7 +235,8 @@ def test_watch_ages_by_what_it_says_and_tells_its_health(broker: Broker, robot: 
         assert process.stderr is not None
         assert process.stderr.readline() == f"listening to MQTT (mqtt): {broker.address(ROOT)}, as asked\n"
         assert process.stdout is not None
-        robots = (json.loads(line)["subjects"][0] for line in process.stdout)
+        lines, alarms = (json.loads(line) for line in process.stdout), list[dict[str, Any]]()
+        robots = (one["subjects"][0] for one in lines if "alarm" not in one or alarms.append(one["alarm"]))
         over, speaking = threading.Event(), threading.Thread(target=lambda: _speak(robot, over))
         speaking.start()
         assert any(one["sensor_based"]["hazard_rate"] == pytest.approx(0.02, rel=1e-9) for one in robots)
@@ -243,6 +247,9 @@ def test_watch_ages_by_what_it_says_and_tells_its_health(broker: Broker, robot: 
         assert silent["sensor_based"]["hazard_rate"] == pytest.approx(0.02, rel=1e-9)
         assert silent["silence"].endswith(f" of {LEFT}")
         within(5, lambda: f"stale {LEFT}" in _said(robot, "AMR"))
+        # the alarm on 41.5 °C began while it was heard, goes on in its silence, and nobody knows whether it does
+        within(5, lambda: "; whether it goes on is not known" in _said(robot, f"alarm: {LEFT} above (error)"))
+        assert _statuses(robot, f"alarm: {LEFT} above (error)")[0]["message"] == f"{LEFT}: 41.5 °C is above 40 °C"
         count = len(_rates(robot))
         within(5, lambda: len(_rates(robot)) > count + 1)
         assert _rates(robot)[-1] == pytest.approx(0.02, rel=1e-6)
@@ -254,3 +261,9 @@ def test_watch_ages_by_what_it_says_and_tells_its_health(broker: Broker, robot: 
         process.send_signal(signal.SIGINT)
         _, warned = process.communicate(timeout=50)
     assert process.returncode == 0, warned
+    assert [(one["what"], one["doubt"] != "") for one in alarms][:2] == [
+        (f"{LEFT} above (error)", False), (f"{LEFT} above (error)", True),
+    ]  # fmt: skip
+    with open_store(tmp_path / "past.db") as store:
+        (kept,) = [one for one in store.alarm_log("AMR").alarms(open_only=True) if one["severity"] == "error"]
+    assert (kept["begin"], kept["cause"]) == (alarms[0]["begin"], alarms[0]["cause"])

@@ -35,8 +35,15 @@ export interface PlotProps {
   zoomTo?: (from: number, to: number) => void;
   /** A place on x was clicked. */
   pick?: (x: number) => void;
+  /** Limits of what is drawn: a line each, where it is in sight; said in words wherever it is. */
+  limits?: Limit[];
   empty?: string;
   children?: ReactNode;
+}
+
+export interface Limit {
+  value: number;
+  severity: "error" | "warn";
 }
 
 const DASH = [6, 4];
@@ -55,7 +62,7 @@ function joined(curves: Curve[], log: boolean): AlignedData {
   return uPlot.join(curves.map((one) => [one.x, sound(one.y)] as AlignedData));
 }
 
-export function Plot({ title, curves, xLabel, yLabel, time, log = false, height = 230, gaps, marks, at, zoomTo, pick, empty, children }: PlotProps): ReactNode {
+export function Plot({ title, curves, xLabel, yLabel, time, log = false, height = 230, gaps, limits, marks, at, zoomTo, pick, empty, children }: PlotProps): ReactNode {
   const box = useRef<HTMLDivElement>(null);
   const under = useRef<HTMLSpanElement>(null);
   const plot = useRef<uPlot | null>(null);
@@ -66,6 +73,8 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
   const told = useRef({ zoomTo, pick });
   told.current = { zoomTo, pick };
   const dragged = useRef(false);
+  const lines = useRef(limits);
+  lines.current = limits;
   const { theme } = useShared(preferences);
   const [zoomed, setZoomed] = useState(false);
   const held = useRef(false);
@@ -114,6 +123,7 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
             },
           ],
           drawClear: [(u) => shade(u, shaded.current ?? []), (u) => mark(u, marked.current.marks ?? [], marked.current.at)],
+            draw: [(u) => rule(u, lines.current ?? [])],
           setCursor: [(u) => void (under.current && (under.current.textContent = underCursor(u, time)))],
           setSelect: [
             (u) => {
@@ -159,6 +169,8 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
   }, [curves, log, seen]);
 
   useEffect(() => plot.current?.redraw(false), [marks, at]);
+  const bounds = limits?.map((one) => `${one.severity} ${one.value}`).join();
+  useEffect(() => plot.current?.redraw(false), [bounds, shape, some]);
 
   const reset = (): void => {
     held.current = false;
@@ -194,6 +206,11 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
         {title} <span className="quiet small">{yLabel}</span>
       </h3>
       {legend}
+      {!!limits?.length && (
+        <p className="small quiet limits">
+          {limits.map((one) => `${one.severity === "error" ? "limit" : "warning"} ${numberText(one.value, 5)}`).join(", ")}
+        </p>
+      )}
       {some ? <div ref={box} role="img" aria-label={words.current.text} /> : <p className="quiet">{empty ?? "No data yet."}</p>}
       {children}
       <div className="tools">
@@ -286,6 +303,23 @@ function spread(low: number, high: number): [number, number] {
   }
   const pad = 0.07 * (high - low);
   return [low >= 0 && low < 0.25 * high ? 0 : low - pad, high + pad];
+}
+
+/** A line across at each limit that is in sight. */
+function rule(u: uPlot, limits: Limit[]): void {
+  u.ctx.save();
+  u.ctx.lineWidth = 1.5 * devicePixelRatio;
+  u.ctx.setLineDash([4 * devicePixelRatio, 2 * devicePixelRatio]);
+  for (const { value, severity } of limits) {
+    const y = u.valToPos(value, "y", true);
+    if (!(y >= u.bbox.top && y <= u.bbox.top + u.bbox.height)) continue;
+    u.ctx.strokeStyle = css(`--${severity}`);
+    u.ctx.beginPath();
+    u.ctx.moveTo(u.bbox.left, y);
+    u.ctx.lineTo(u.bbox.left + u.bbox.width, y);
+    u.ctx.stroke();
+  }
+  u.ctx.restore();
 }
 
 function shade(u: uPlot, gaps: [number, number][]): void {

@@ -60,6 +60,14 @@ def stated_store(address: str | None) -> str | None:
 Store = Annotated[
     str | None, typer.Option("--store", help="the robot's past, as kept by replay", callback=stated_store)
 ]
+Notify = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="tell of alarms: http://host/path (a webhook, as Alertmanager's), or "
+        "smtp://user@host/?from=robot@example.org&to=team@example.org; several",
+        metavar="ADDRESS",
+    ),
+]
 GrowingStore = Annotated[
     str | None,
     typer.Option(
