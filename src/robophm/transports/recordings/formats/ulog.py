@@ -42,7 +42,7 @@ _MESSAGE = struct.Struct("<HB").unpack_from
 _SHORTEST = dict(zip(b"ABCDFILMOPQRS", (3, 40, 11, 10, 1, 1, 9, 2, 2, 1, 2, 2, 0), strict=True))
 """The least bytes of each kind of message (docs.px4.io/main/en/dev_log/ulog_file_format)."""
 
-_FLAGS, _SUBSCRIBES = b"BA"
+_FLAGS, _SUBSCRIBES, _DROPOUT = b"BAO"
 _BEHIND = {kind: length for kind, length in _SHORTEST.items() if kind not in b"BF"}
 """Kinds of messages behind the first that subscribes to a topic."""
 
@@ -122,7 +122,8 @@ def _gone_through(memory: mmap, beginnings: Beginnings) -> _Runs:
         while at + 3 <= end:
             length, kind = _MESSAGE(memory, at)
             behind = at + 3 + length
-            if behind > end or (length < kinds.get(kind, 1) or (kind in _TEXTS and memory[at + 3] not in _LEVELS)):
+            wrong = length < kinds.get(kind, 1) or (kind == _DROPOUT and length > 2)
+            if behind > end or wrong or (kind in _TEXTS and memory[at + 3] not in _LEVELS):
                 sound = False
             else:
                 sound = kind in kinds or _may_follow(memory, behind, end)
