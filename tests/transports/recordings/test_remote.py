@@ -222,16 +222,16 @@ def test_what_is_not_read_in_parts_is_fetched_as_a_whole_and_that_is_said(
     suffix: str, server: Server, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     if suffix == ".db3":
-        folder = SyntheticOta(seed=1, duration=1500 * SECOND).record(tmp_path / "x.db3")
+        folder = SyntheticOta(seed=1, duration=3000 * SECOND).record(tmp_path / "x.db3")
         path, signal = next(folder.glob("*.db3")), "/ota/battery.voltage"
     else:
-        table = "time,/t.x\n" + "".join(f"{1_700_000_000 + n},{n * 0.123456789}\n" for n in range(30_000))
+        table = "time,/t.x\n" + "".join(f"{1_700_000_000 + n},{n * 0.123456789}\n" for n in range(50_000))
         path, signal = tmp_path / f"x{suffix}", "/t.x"
-        noise = np.random.default_rng(1).random(40_000)
+        noise = np.random.default_rng(1).random(90_000)
         text = table if suffix == ".csv" else table + "".join(f"{1_800_000_000 + n},{x}\n" for n, x in enumerate(noise))
         path.write_bytes(gzip.compress(text.encode()) if suffix == ".csv.gz" else text.encode())
     (server.folder / path.name).write_bytes(path.read_bytes())
-    assert path.stat().st_size > 1 << 19
+    assert path.stat().st_size > remote.SMALL
     with caplog.at_level(logging.WARNING), open_source(server.address(path.name)) as there, open_source(path) as source:
         assert [*there.samples([signal])] == [*source.samples([signal])]
         assert there.fingerprint == source.fingerprint
@@ -239,6 +239,20 @@ def test_what_is_not_read_in_parts_is_fetched_as_a_whole_and_that_is_said(
     assert len(said) == 1
     why = "its format is not read in parts"
     assert re.fullmatch(rf"{server.address(path.name)}: all of [\d.]+ MB is fetched: {why}", said[0])
+
+
+def test_splits_that_lie_elsewhere_are_read_at_once_all_the_same(server: Server, tmp_path: Path) -> None:
+    from benchmarks.transports import split
+
+    drive = SyntheticOta(seed=1, duration=240 * SECOND).record(tmp_path / "drive.mcap")
+    parts = sorted(split(drive, tmp_path / "parts").iterdir())
+    for part in parts:
+        (server.folder / part.name).write_bytes(part.read_bytes())
+    assert len(parts) >= 4
+    signal = "/ota/battery.voltage"
+    with open_source(*(server.address(part.name) for part in parts)) as there, open_source(drive) as source:
+        assert [*there.samples([signal])] == [*source.samples([signal])]
+        assert there.topics() == source.topics()
 
 
 def test_a_server_without_ranges_sends_the_whole(

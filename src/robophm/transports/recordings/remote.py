@@ -35,8 +35,8 @@ _NEAR = 4
 _MOST = 1 << 22
 """Bytes of one request."""
 
-_SMALL = 1 << 19
-"""Bytes of a recording that is fetched as a whole: to ask for parts would take as long."""
+SMALL = 1 << 20
+"""Bytes of a recording that is fetched as a whole: to ask for parts would take as long, and splits are read so."""
 
 _EDGE = 1 << 16
 """Bytes at the beginning, in the middle and at the end by which a recording is recognised and told from others."""
@@ -101,7 +101,7 @@ class Fetched:
         size = self._file.size
         if size > shutil.disk_usage(self._path.parent).free // _LEFT:
             raise SourceError(f"{self._path}: has {size / 1e6:,.0f} MB; they do not fit on the disk here")
-        if size > _SMALL:
+        if size > SMALL:
             _log.warning("%s: all of %.1f MB is fetched: %s", self._path, size / 1e6, why)
         begin = 0
 
@@ -186,7 +186,7 @@ def _arrived(address: str, place: Place) -> RemotePath:
     edge = min(_EDGE, file.size)
     path.fetched.bring([(at, at + edge) for at in (0, file.size // 2, file.size - edge)])
     look = look_at(path)
-    if file.size <= _SMALL:
+    if file.size <= SMALL:
         path.fetched.bring_all("")
     elif not look or look.packed or not (isinstance(look.kind, MessageFormat) and look.kind.in_parts):
         path.fetched.bring_all("its format is not read in parts")

@@ -70,6 +70,8 @@ def test_the_sound_recordings_hold_what_was_written(format_: str, tmp_path: Path
     ("bag", 69545, 20261126),  # the info of a chunk that names another topic, which hid the chunk from its own
     ("mcap", 2856, 20261127),  # an index of no channel behind a chunk, where no summary says of which channels it is
     ("mcap", 3584, 20261128),  # the same where a chunk is taken for another record, and its indices for those before
+    ("ulg", 9133, 20261126),  # a message that says it is a dropout
+    ("parquet", 4773, 20261126),  # a time before 1970
     ("mcap", 4832, 20261130),  # an index that says it is another record, where no summary says what there is
     ("mcap", 5608, 20261129),  # a chunk that begins later than all times that there are
     ("bag", 1394, 22),  # a second header, behind which the reader went back to the first chunk for ever

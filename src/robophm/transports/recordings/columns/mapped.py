@@ -120,6 +120,7 @@ class MappedFile(PiecedFile):
     def hold(self, content: Bytes) -> None:
         """Have this for content, which lies in memory, in the place of the file's."""
         self._memory, self._content, self.size, self._advice = None, content, len(content), None
+        self._fetched = None
 
     def close(self) -> None:
         """Let go of the file."""
