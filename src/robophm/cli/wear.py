@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -17,7 +17,15 @@ from robophm.cli.shared.output import console, may_write, print_json, print_unkn
 from robophm.cli.shared.progress import counted
 from robophm.cli.shared.stored_past import kept
 from robophm.cli.shared.unused import refuse_unused
-from robophm.cli.shared.wear_words import backtest_json, lives_json, print_backtest, print_lives, print_worn, worn_json
+from robophm.cli.shared.wear_words import (
+    backtest_json,
+    lives_json,
+    print_backtest,
+    print_index_backtest,
+    print_lives,
+    print_worn,
+    worn_json,
+)
 from robophm.core.errors import DataError
 from robophm.design.file import load
 from robophm.design.robot import Robot
@@ -134,7 +142,9 @@ def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> bool:
     fitted = ("part", "baseline", "false_alarms", "shift", "store", "backtest", "predictions", "seed")
     if any(signal.suffix.lower() in TABLES for signal in signals):
         if wishes.index:
-            refuse_unused("an index of health", ("part", "store", "seed", "fleet", "index", "settings"))
+            refuse_unused(
+                "an index of health", ("part", "store", "backtest", "predictions", "seed", "fleet", "index", "settings")
+            )
         else:
             refuse_unused("a table", (*fitted, "threshold", "threshold_deviation", "load", "fleet", "at"))
         found, seen, monitor = [_of_table(robot, signals, wishes)], list[SeenWear](), Monitor(robot)
@@ -150,29 +160,37 @@ def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> bool:
     lives = worn_lives(outlook, found, seen)
     done = _backtests(found, wishes) if wishes.backtest else {}
     if wishes.predictions:
-        write(wishes.predictions, lives_text(list(done), lives_of(list(done.values()))))
+        units = {name: one for of_mode in done.values() for name, one in of_mode.items()}
+        write(wishes.predictions, lives_text(list(units), lives_of(list(units.values()))))
     if wishes.as_json:
-        said = [worn_json(one) for one in found]
-        for document in said:
-            if document["mode"] in done:
-                document["backtest"] = backtest_json(done[document["mode"]])
+        said = [
+            worn_json(one) | (_backtest_json(one, done[one.mode.path]) if one.mode.path in done else {})
+            for one in found
+        ]
         print_json({"robot": robot.name, "signals": said, "remaining_life": lives_json(lives)})
     else:
         _print(robot, found, lives)
         for one in found:
             if one.mode.path in done:
                 console().print()
-                print_backtest(console(), one, done[one.mode.path])
+                if one.index:
+                    print_index_backtest(console(), one, done[one.mode.path])
+                else:
+                    print_backtest(console(), one, done[one.mode.path][one.mode.path])
     return any(one.critical for one in found)
 
 
-def _backtests(found: Sequence[WornMode], wishes: Wishes) -> dict[str, Backtest]:
-    """Backtests by failure mode; those that cannot be are told, and where none can the first is raised."""
-    done: dict[str, Backtest] = {}
+def _backtests(found: Sequence[WornMode], wishes: Wishes) -> dict[str, dict[str, Backtest]]:
+    """Backtests by failure mode, each by whose they are: the mode's own, or those of units that taught an index.
+
+    Those that cannot be are told, and where none can the first is raised.
+    """
+    done: dict[str, dict[str, Backtest]] = {}
     missed: list[DataError] = []
     for one in found:
         try:
-            done[one.mode.path] = one.backtested(wishes.options.seed)
+            own = one.index.backtested() if one.index else {one.mode.path: one.backtested(wishes.options.seed)}
+            done[one.mode.path] = own
         except DataError as error:
             missed.append(error)
     if not done:
@@ -180,6 +198,12 @@ def _backtests(found: Sequence[WornMode], wishes: Wishes) -> dict[str, Backtest]
     for why in missed:
         warn(f"{why}; it has no backtest")
     return done
+
+
+def _backtest_json(one: WornMode, done: Mapping[str, Backtest]) -> dict[str, Any]:
+    if one.index:
+        return {"backtest_of_units": {name: backtest_json(of_unit) for name, of_unit in done.items()}}
+    return {"backtest": backtest_json(done[one.mode.path])}
 
 
 def _of_table(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> WornMode:

@@ -49,7 +49,8 @@ def wear(
     and conditions of ``use``, where it has such columns. ``fleet``: a table of the same signal of other units; with
     ``index`` the table has many signals, of which ``settings`` are operating conditions, and an index of health is
     learned from units that failed. ``store``: the robot's past, for what remains. A mode's ``backtested()`` says what
-    earlier readings would have foretold. Raises DataError where nothing can be said of any, or for what is not used;
+    earlier readings would have foretold, with ``index`` its ``index.backtested()`` that of the units that failed.
+    Raises DataError where nothing can be said of any, or for what is not used;
     DesignError for a part that there is not, SourceError for what is no recording.
     """
     found = robot_of(robot)

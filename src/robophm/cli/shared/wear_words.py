@@ -96,13 +96,13 @@ def _life_text(found: WornMode, threshold: str) -> str:
         none = f"No trend shows yet that leads to {threshold}"
         return f"{none}: when it is reached cannot be said; its hazard rate stands"
     low, median, high = (number_text(one, 3) for one in wear.remaining)
-    goal = "fails" if found.indexed else f"reaches {threshold}"
+    goal = "fails" if found.index else f"reaches {threshold}"
     reaches = f"{goal} in {median} {unit}, 90 % between {low} and {high}"
     if math.isinf(wear.remaining.high):
         share = f"{number_text(100 * wear.never, 2)} % of what is drawn"
         reaches = f"{goal} in {median} {unit}; 5 % by {low}, and in {share} it does not come there"
     if not wear.shows:
-        by = "by how long those went on that looked as sound" if found.indexed else "by the lives of the others"
+        by = "by how long those went on that looked as sound" if found.index else "by the lives of the others"
         return f"No trend shows yet; {by} it {reaches}"
     return reaches[0].upper() + reaches[1:]
 
@@ -168,6 +168,29 @@ def print_backtest(out: Console, found: WornMode, done: Backtest) -> None:
         f"relative accuracy {number_text(done.relative_accuracy or 0.0, 2)}; median within {100 * ALPHA:g} % of what "
         f"was left {near}; prognostic horizon {horizon}", markup=False, soft_wrap=True,
     )  # fmt: skip
+
+
+def print_index_backtest(out: Console, found: WornMode, done: Mapping[str, Backtest]) -> None:
+    """Print how well an index foretold each unit that failed, by others, and all of them together."""
+    unit = found.unit
+    rows = []
+    for name, one in done.items():
+        held = f"{sum(cut.held for cut in one.foretold)} of {len(one.foretold)}"
+        accuracy = number_text(one.relative_accuracy, 2) if one.relative_accuracy is not None else _BEYOND
+        horizon = number_text(one.horizon, 3) if one.horizon is not None else _BEYOND
+        near = number_text(one.near_from, 3) if one.near_from is not None else _BEYOND
+        rows.append([name, number_text(one.end, 3), held, accuracy, horizon, near])
+    columns = [
+        "unit", f"failed at [{unit}]", "intervals held", "relative accuracy", f"prognostic horizon [{unit}]",
+        f"within {100 * ALPHA:g} % from [{unit}]",
+    ]  # fmt: skip
+    title = f"Backtest, {found.mode.path}: each unit that failed, foretold by the others at earlier readings"
+    out.print(title, style="bold", markup=False, soft_wrap=True)
+    print_table(out, table("", columns, rows, figures=range(1, 6)))
+    cuts = [cut for one in done.values() for cut in one.foretold]
+    out.print(
+        f"{sum(cut.held for cut in cuts)} of {len(cuts)} intervals of 90 % held, of {len(done)} lives", markup=False
+    )
 
 
 def backtest_json(done: Backtest) -> dict[str, Any]:

@@ -7,7 +7,7 @@ foretold; where it has not, when it would be where it is now. The metrics are th
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +15,9 @@ import numpy.typing as npt
 
 from robophm.core.errors import DataError
 from robophm.core.prognostics import ALPHA, History, cumulative_relative_accuracy, prognostic_horizon
-from robophm.learning.wear.among_others import Unit, forecast_among
+from robophm.learning.wear.among_others import Unit
 from robophm.learning.wear.averaging import FEWEST, Forecast, checked, first_passage, forecast
+from robophm.learning.wear.conditions import as_of_late, forecast_under
 from robophm.learning.wear.models.candidates import FAR, Array
 from robophm.learning.wear.stated_life import StatedLife
 
@@ -127,8 +128,12 @@ class Backtest:
 def backtest(
     times: npt.ArrayLike, values: npt.ArrayLike, threshold: float, *, falls: bool = False, deviation: float = 0.0,
     others: Sequence[Unit] = (), cuts: int = CUTS, seed: int = 0, draws: int = DRAWS, stated: StatedLife | None = None,
+    conditions: Mapping[str, Array] | None = None,
 ) -> Backtest:  # fmt: skip
-    """Forecasts at so many cuts, evenly over the time until the end; arguments as of ``forecast_among``.
+    """Forecasts at so many cuts, evenly over the time until the end; arguments as of ``forecast_under``.
+
+    ``conditions``: those that readings were taken under, by name; at each cut it goes on under those of late, as far as
+    that was known then.
 
     Raises DataError as it does, and where there are too few readings before the end, or no wear yet.
     """
@@ -139,18 +144,26 @@ def backtest(
         if to <= wear[0] or (end := first_passage(t, wear, to)) is None:
             raise DataError("its last readings show no wear: there is nothing that could have been foretold")
     sign = -1.0 if falls else 1.0
-    due = np.linspace(t[0], end, cuts + 2)[1:-1]
-    known = sorted({int(n) for n in np.searchsorted(t, due, "right") if n >= FEWEST and t[n - 1] < end})
+    known = [n for n in readings_at_cuts(t, end, cuts) if n >= FEWEST]
     if not known:
         raise DataError(f"fewer than {FEWEST} readings before {sign * to:g} was reached: expected more of them")
     found = []
     for n in known:
         try:
-            said = forecast_among(
-                others, t[:n], sign * wear[:n], sign * to, falls=falls, deviation=deviation, seed=seed, draws=draws,
-                stated=stated if reached else None,
+            known_then = Unit(
+                t[:n], sign * wear[:n], conditions={name: under[:n] for name, under in (conditions or {}).items()}
+            )
+            said = forecast_under(
+                as_of_late(known_then.conditions), known_then, sign * to, others, falls=falls, deviation=deviation,
+                seed=seed, draws=draws, stated=stated if reached else None,
             )  # fmt: skip
         except DataError:  # it stood still until then
             said = None
         found.append(Cut(float(t[n - 1]), n, said, float(end - t[n - 1])))
     return Backtest(sign * to, reached, end, tuple(found))
+
+
+def readings_at_cuts(times: Array, end: float, cuts: int = CUTS) -> list[int]:
+    """Numbers of readings that were known at cuts, which lie evenly between the first one and the end."""
+    due = np.linspace(times[0], end, cuts + 2)[1:-1]
+    return sorted({int(n) for n in np.searchsorted(times, due, "right") if n > 0 and times[n - 1] < end})

@@ -76,6 +76,11 @@ class Acceleration:
         return math.sqrt(max(float(away @ self.covariance @ away), 0.0))
 
 
+def as_of_late(conditions: Mapping[str, Array]) -> dict[str, float]:
+    """Conditions as they were of late: means of the last tenth of the readings, by name."""
+    return {name: float(values[-max(len(values) // 10, 1) :].mean()) for name, values in conditions.items()}
+
+
 def forecast_under(
     to_come: Mapping[str, float], unit: Unit, threshold: float, others: Sequence[Unit] = (), *, falls: bool = False,
     deviation: float = 0.0, seed: int = 0, draws: int = DRAWS, stated: StatedLife | None = None,

@@ -97,6 +97,8 @@ class HealthIndex:
     ages: Array
     remained: Array
     """How old these were, and how long they then went on, which ascends."""
+    units: npt.NDArray[np.intp]
+    """Which unit each of them was of, counted from 0; shape (readings,)."""
 
     def remaining(
         self, times: npt.ArrayLike, values: npt.ArrayLike, settings: npt.ArrayLike | None = None, *, draws: int = DRAWS
@@ -115,11 +117,18 @@ class HealthIndex:
         recent = SignalHistory(course.times[last], course.values[last], course.settings[last])
         features = _features(recent, self.window, self.usual)[-1:]
         index = float(self._index(features)[0])
-        logs = _alike(self.indices - index, self.ages - course.times[-1], self.near, self.horizon)
+        return Remaining(index, self.drawn(index, float(course.times[-1]), draws=draws))
+
+    def drawn(self, index: float, age: float, *, without: int | None = None, draws: int = DRAWS) -> Array:
+        """Draw how long those went on that had such an index at such an age, ``without`` one of the units."""
+        logs = _alike(self.indices - index, self.ages - age, self.near, self.horizon)
+        if without is not None:
+            logs = np.where(self.units == without, -np.inf, logs)
         shares = np.cumsum(np.exp(logs - logs.max()))
         level = (np.arange(draws) + 0.5) / draws
         at = np.minimum(np.searchsorted(shares / shares[-1], level), len(shares) - 1)
-        return Remaining(index, self.remained[at])
+        result: Array = self.remained[at]
+        return result
 
     def course(self, one: SignalHistory) -> Array:
         """The index at each reading of a unit; shape (readings,)."""
@@ -165,7 +174,7 @@ def learn_health_index(
     ages, indices = (np.concatenate(part)[order] for part in ([one.times for one in courses], foretold))
     near = _nearness(unit, indices, ages, remained[order], limit, seed)
     return HealthIndex(
-        limit, chosen, courses[0].values.shape[1], usual, near, process, indices, ages, remained[order]
+        limit, chosen, courses[0].values.shape[1], usual, near, process, indices, ages, remained[order], unit
     )  # fmt: skip
 
 

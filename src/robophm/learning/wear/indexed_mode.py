@@ -10,14 +10,10 @@ import numpy as np
 from robophm.core.errors import DataError, nearest
 from robophm.design.robot import CLOCK_UNITS, FailureMode
 from robophm.learning.table import Row, read_table
-from robophm.learning.wear.averaging import Forecast
-from robophm.learning.wear.health_index import HealthIndex, SignalHistory, learn_health_index
+from robophm.learning.wear.health_index import SignalHistory, learn_health_index
+from robophm.learning.wear.index_backtest import INDEX, LearnedIndex, forecast_of_index
 from robophm.learning.wear.readings_table import COLUMNS, Readings, times_of
-from robophm.learning.wear.trend_bend import Bend
 from robophm.learning.wear.worn_mode import WornMode
-
-INDEX = "health index"
-"""The name by which sources and weights of such a life call what foretells it."""
 
 
 def indexed_mode_of_tables(
@@ -50,16 +46,8 @@ def indexed_mode_of_tables(
     source = f"{path}, {INDEX} of {len(names) - len(settings)} signals by {len(failed)} units that failed"
     return WornMode(
         mode, source, Readings(times, course, None, dated, when), course, 0.0,
-        _forecast(index, one, course, left.draws), None, "an index is smooth, and says itself what has changed", (),
-        indexed=True,
-    )  # fmt: skip
-
-
-def _forecast(index: HealthIndex, one: SignalHistory, course: np.ndarray, draws: np.ndarray) -> Forecast:
-    slope = float(np.polyfit(one.times, -course, 1)[0]) if len(course) > 1 else 0.0
-    return Forecast(
-        0.0, draws, np.full(len(draws), slope), 0.0, Bend(1.0, False), {INDEX: 1.0}, 1.0, turned=True,
-        shows=bool(course[-1] < 0.95 * index.horizon),
+        forecast_of_index(index, one.times, course, left.draws), None,
+        "an index is smooth, and says itself what has changed", (), index=LearnedIndex(index, tuple(failed)),
     )  # fmt: skip
 
 

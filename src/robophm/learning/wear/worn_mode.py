@@ -15,8 +15,9 @@ from robophm.learning.failure_mode_edits import named_mode
 from robophm.learning.wear.among_others import Unit
 from robophm.learning.wear.averaging import Forecast
 from robophm.learning.wear.backtest import Backtest, backtest
-from robophm.learning.wear.conditions import forecast_under
+from robophm.learning.wear.conditions import as_of_late, forecast_under
 from robophm.learning.wear.cusum import Cusum, design
+from robophm.learning.wear.index_backtest import LearnedIndex
 from robophm.learning.wear.readings_table import Array, Readings, at_load, read_readings
 from robophm.learning.wear.stated_life import StatedLife
 from robophm.learning.wear.teachers import others_of_table, teachers_of
@@ -66,8 +67,8 @@ class WornMode:
     """Conditions under which its life is foretold."""
     stated: StatedLife | None = None
     """Life that is stated of the mode; None where its age at the readings is not known."""
-    indexed: bool = False
-    """Whether its readings are an index of health of many signals (``indexed_mode.py``)."""
+    index: LearnedIndex | None = None
+    """The index of health of many signals that its readings are (``indexed_mode.py``); None: readings of one signal."""
 
     @property
     def unit(self) -> str:
@@ -85,16 +86,17 @@ class WornMode:
         return self.wear.worn_out or not self.wear.followed
 
     def backtested(self, seed: int = 0) -> Backtest:
-        """Return the forecasts at earlier readings against what came. Raises DataError, with the source, if
-        impossible."""
+        """Return the forecasts at earlier readings against what came.
+
+        Raises DataError, with the source, where there can be none: of an index of health, see ``index.backtested()``.
+        """
+        if self.index:
+            raise DataError(f"{self.source}: it has not failed; expected the backtest of the units that did")
         times, threshold = self.readings.times, self.wear.signal_threshold
-        if self.to_come or self.indexed:
-            what = "an index of many signals" if self.indexed else "readings that come with conditions"
-            raise DataError(f"{self.source}: there is no backtest of {what}; expected one signal without")
         try:
             return backtest(
                 times, self.values, threshold, falls=self.wear.turned, deviation=self.deviation, others=self.others,
-                seed=seed, stated=self.stated,
+                seed=seed, stated=self.stated, conditions=self.readings.conditions,
             )  # fmt: skip
         except DataError as error:
             raise DataError(f"{self.source}: {error}") from None
@@ -148,9 +150,8 @@ def worn_mode(
 
 
 def _to_come(conditions: Mapping[str, Array], stated: Mapping[str, float]) -> dict[str, float]:
-    """Conditions as stated, else the mean of the last tenth of the readings."""
-    late = {name: float(values[-max(len(values) // 10, 1) :].mean()) for name, values in conditions.items()}
-    return late | dict(stated)
+    """Conditions as stated, else as of late."""
+    return as_of_late(conditions) | dict(stated)
 
 
 def changes_in(values: Array, options: WearOptions) -> tuple[Cusum | None, str, tuple[int, ...]]:
