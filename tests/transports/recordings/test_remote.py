@@ -31,6 +31,8 @@ from robophm.transports.synthetic import SyntheticOta
 
 from .columns.test_sparse import drive
 
+pytest.importorskip("obstore", reason="no obstore (make setup installs it)")
+
 KINDS = [(".bag", ""), (".bag", "LZ4"), (".mcap", "NONE"), (".mcap", "LZ4")]
 LEVEL = "/level.data"
 
@@ -86,7 +88,8 @@ class Answer(BaseHTTPRequestHandler):
     def reply(self, status: int, content: bytes, head: bool, part: str = "") -> None:
         self.send_response(status)
         self.send_header("Content-Length", str(len(content)))
-        self.send_header("ETag", self.server.tag)
+        if self.server.tag:
+            self.send_header("ETag", self.server.tag)
         self.send_header("Last-Modified", "Thu, 01 Jan 2026 00:00:00 GMT")
         if part:
             self.send_header("Content-Range", part)
@@ -227,9 +230,8 @@ def test_what_is_not_read_in_parts_is_fetched_as_a_whole_and_that_is_said(
     else:
         table = "time,/t.x\n" + "".join(f"{1_700_000_000 + n},{n * 0.123456789}\n" for n in range(50_000))
         path, signal = tmp_path / f"x{suffix}", "/t.x"
-        noise = np.random.default_rng(1).random(90_000)
-        text = table if suffix == ".csv" else table + "".join(f"{1_800_000_000 + n},{x}\n" for n, x in enumerate(noise))
-        path.write_bytes(gzip.compress(text.encode()) if suffix == ".csv.gz" else text.encode())
+        content = table.encode()
+        path.write_bytes(gzip.compress(content, compresslevel=0) if suffix == ".csv.gz" else content)
     (server.folder / path.name).write_bytes(path.read_bytes())
     assert path.stat().st_size > remote.SMALL
     with caplog.at_level(logging.WARNING), open_source(server.address(path.name)) as there, open_source(path) as source:
@@ -259,7 +261,7 @@ def test_a_server_without_ranges_sends_the_whole(
     recorded: Path, server: Server, caplog: pytest.LogCaptureFixture
 ) -> None:
     (server.folder / recorded.name).write_bytes(recorded.read_bytes())
-    server.ranges = False
+    server.ranges, server.tag = False, ""
     with caplog.at_level(logging.WARNING):
         assert rows(server.address(recorded.name), LEVEL) == rows(recorded, LEVEL)
     assert "what serves it knows no ranges of bytes" in caplog.text

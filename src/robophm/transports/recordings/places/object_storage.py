@@ -22,6 +22,9 @@ _AT_ONCE = 8
 _LIMITS = {"timeout": "60s", "connect_timeout": "10s"}
 _RETRIES = {"max_retries": 2}
 
+_ASKS_MACHINE = "169.254.169.254"
+"""The address at which a machine in a cloud is asked who it is, where nothing else says that."""
+
 _LONGEST = 200
 """Letters of somebody else's error that are told."""
 
@@ -46,7 +49,8 @@ class StoredFile:
             found = self._store_head()
         self.size = int(found["size"])
         self.changed = found["last_modified"].timestamp()
-        self._tag = found["e_tag"]
+        self._same = {"if_match": found["e_tag"]} if found["e_tag"] else {}
+        """What makes the server refuse, where the file is another than it was."""
 
     def _store_head(self) -> Any:
         import obstore
@@ -62,7 +66,7 @@ class StoredFile:
         """Some bytes; raises RangesError where there are others."""
         import obstore
 
-        result = obstore.get(self._store, self._path, options={"range": wanted, "if_match": self._tag})
+        result = obstore.get(self._store, self._path, options={"range": wanted, **self._same})
         if tuple(result.range) != wanted:
             raise RangesError
         return bytes(result.bytes())
@@ -72,7 +76,7 @@ class StoredFile:
         import obstore
 
         with self._told():
-            for part in obstore.get(self._store, self._path, options={"if_match": self._tag}).stream():
+            for part in obstore.get(self._store, self._path, options={**self._same}).stream():
                 yield bytes(part)
 
     @contextmanager
@@ -96,6 +100,8 @@ class StoredFile:
             reason = " ".join(str(error).split())
             if "range" in reason.lower():
                 raise RangesError from error
+            if _ASKS_MACHINE in reason:
+                reason = "nobody says who may read it; expected that in the environment, as AWS_ACCESS_KEY_ID"
             shown = reason if len(reason) <= _LONGEST else f"{reason[:_LONGEST]}…"
             raise SourceError(f"{self._address}: cannot be read: {shown}") from None
 
