@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from robophm.transports.recordings.columns.pieces import BATCH, DamageError
+from robophm.transports.recordings.columns.pieces import DamageError
 
 
 class Chunk(NamedTuple):
@@ -79,18 +78,3 @@ def index_of(chunk: Chunk) -> tuple[int, int]:
     """Return where the index behind a chunk begins and ends, as far as that is known."""
     begin = min(chunk.indices.values()) if chunk.indices else 0
     return begin, max(begin + 1, chunk.behind) if begin else 0
-
-
-def batches(asked: Iterable[Asked]) -> Iterator[list[Asked]]:
-    """Yield what is read at once: some that are packed, or some that are not."""
-    batch: list[Asked] = []
-    size, packed = 0, None
-    for one in asked:
-        size += one.size
-        if batch and (size > BATCH or (one.content and packed not in (None, one.chunk.packed))):
-            yield batch
-            batch, size, packed = [], one.size, None
-        batch.append(one)
-        packed = one.chunk.packed if one.content else packed
-    if batch:
-        yield batch

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robophm.transports.recordings.columns.checksum import crc32
-from robophm.transports.recordings.columns.chunk import Asked, Chunk, Place, UnknownError, batches, index_of
+from robophm.transports.recordings.columns.chunk import Asked, Chunk, Place, UnknownError, index_of
 from robophm.transports.recordings.columns.field_extraction import Bytes, Ints
 from robophm.transports.recordings.columns.mapped import PAGE, MappedFile
 from robophm.transports.recordings.columns.pieces import (
@@ -94,8 +94,8 @@ class ChunkedFile(MappedFile):
                 del here  # before more of the next ones comes
                 return self._load(batch, buffer, places, wanted, timed)
 
-            each = [*batches(asked)]
-            for batch, following in zip_longest(each, each[1:]):
+            batches = [*_batches(asked)]
+            for batch, following in zip_longest(batches, batches[1:]):
                 yield Piece(batch[0].chunk.first, partial(load, batch, following))
 
     def _within(self, wanted: frozenset[int], timed: frozenset[int], start: int, end: int) -> list[Chunk]:
@@ -417,3 +417,18 @@ class ChunkedFile(MappedFile):
     @abstractmethod
     def scanned(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
         """The messages in a chunk, found by going from record to record; notes what is lost."""
+
+
+def _batches(asked: Iterable[Asked]) -> Iterator[list[Asked]]:
+    """Yield what is read at once: some that are packed, or some that are not."""
+    batch: list[Asked] = []
+    size, packed = 0, None
+    for one in asked:
+        size += one.size
+        if batch and (size > BATCH or (one.content and packed not in (None, one.chunk.packed))):
+            yield batch
+            batch, size, packed = [], one.size, None
+        batch.append(one)
+        packed = one.chunk.packed if one.content else packed
+    if batch:
+        yield batch

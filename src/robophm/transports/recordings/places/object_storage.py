@@ -50,7 +50,7 @@ class StoredFile:
         self.size = int(found["size"])
         self.changed = found["last_modified"].timestamp()
         self._same = {"if_match": found["e_tag"]} if found["e_tag"] else {}
-        """What makes the server refuse, where the file is another than it was."""
+        """The condition under which the server gives the file: that it is what it was."""
 
     def _store_head(self) -> Any:
         import obstore
