@@ -26,7 +26,12 @@ from robophm.stores.store import Store
 
 def command(
     design: Design,
-    recordings: Annotated[list[Path], typer.Argument(help=".bag, .db3, .mcap, folders of them, .csv or .journal")],
+    recordings: Annotated[
+        list[Path],
+        typer.Argument(
+            help=".bag, .db3, .mcap, folders of them, .csv or .journal; or an address: https://, s3://, gs://, az://"
+        ),
+    ],
     store: GrowingStore = None,
     report: Annotated[Path | None, typer.Option(help="write a page about its health, HTML")] = None,
     skip_missing: SkipMissing = False,

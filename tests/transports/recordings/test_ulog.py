@@ -6,6 +6,7 @@ import math
 import random
 import struct
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -120,8 +121,26 @@ def test_what_is_cut_or_lost_is_said(tmp_path: Path) -> None:
     assert 110 < len(list(source.samples(["/battery_status.warning"]))) < 120
     broken.write_bytes(whole[:3000] + bytes(40) + whole[3000:])
     source = open_source(broken)
-    assert 20 < len(list(source.samples(["/battery_status.warning"]))) < 120
+    assert 118 < len(list(source.samples(["/battery_status.warning"]))) <= 120  # pyulog alone finds 26
     assert source.notes["damaged, and read as far as it is whole"] == 1
+
+
+@pytest.mark.parametrize("filling", [b"\0", b"\0\0D", b"\1\0\1\0"], ids=["zeros", "no content", "unknown"])
+def test_megabytes_of_what_is_no_message_take_no_minutes(filling: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "filled.ulg"
+    path.write_bytes(flight() + filling * ((1 << 24) // len(filling)))
+    begun = time.process_time()
+    with open_source(path) as source:
+        assert len(list(source.samples(["/battery_status.warning"]))) == 120
+        assert source.notes["bytes of a log that belong to no message"] > 1 << 23
+    assert time.process_time() - begun < 5  # pyulog alone: up to half a minute
+
+
+def test_more_topics_than_are_believed_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "many.ulg"
+    path.write_bytes(flight() + listens(9, "battery_status") * 5000)
+    with pytest.raises(SourceError, match=f"{path}: cannot be read: has messages of more than 4096 kinds or senders"):
+        open_source(path)
 
 
 NONE = {

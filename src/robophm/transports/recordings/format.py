@@ -39,3 +39,5 @@ class MessageFormat(RecordingFormat):
 
     open: Callable[[Path, Counter[str]], Any]
     """The file, a ``PiecedFile``, and what is lost of it in the notes. Raises SourceError where it cannot be read."""
+    in_parts: bool = False
+    """Whether of a large file that lies elsewhere no more is asked for than is read, as it says before."""
