@@ -158,11 +158,12 @@ class Forecast:
 
 def forecast(
     times: npt.ArrayLike, values: npt.ArrayLike, threshold: float, *, falls: bool = False, deviation: float = 0.0,
-    seed: int = 0, draws: int = DRAWS, judged: bool = True,
+    seed: int = 0, draws: int = DRAWS, judged: bool = True, law_ends: bool = True,
 ) -> Forecast:  # fmt: skip
     """Forecast when readings reach a threshold, known to a ``deviation``; ``falls``: the signal falls as wear grows.
 
-    Not ``judged``, which takes a third of the time: whether it bends and is followed is not asked.
+    Not ``judged``, which takes a third of the time: whether it bends and is followed is not asked. Not ``law_ends``:
+    wear that slows does so to the threshold, where how long such parts live is told from elsewhere.
 
     Raises DataError where there are too few readings, or they cannot be wear towards that threshold.
     """
@@ -175,7 +176,9 @@ def forecast(
     if first_passage(t, y, threshold) is not None:
         found = _ended(t, y, threshold, draws)
     else:
-        found = _to_come(t, y, threshold, deviation, np.random.default_rng(seed), draws, judged=judged)
+        found = _to_come(
+            t, y, threshold, deviation, np.random.default_rng(seed), draws, judged=judged, law_ends=law_ends
+        )
         if y[-1] >= threshold and _is_there(t, y, threshold, deviation, draws):
             found, reached = _ended(t, y, threshold, draws), reached or _crossing(t, y, threshold, len(y) - 1)
     return replace(
@@ -188,13 +191,16 @@ def _is_there(t: Array, y: Array, threshold: float, deviation: float, draws: int
     """Whether one last reading beyond the threshold stands above its noise: by its last readings, each by itself, the
     wear is there sooner than the next reading could tell."""
     late = slice(-STRETCHES, None) if y[-STRETCHES:][0] < threshold else slice(None)
-    found = _to_come(t[late], y[late], threshold, deviation, np.random.default_rng(0), draws, judged=False)
+    found = _to_come(
+        t[late], y[late], threshold, deviation, np.random.default_rng(0), draws, judged=False, law_ends=False
+    )
     return found.remaining.median <= float(t[-1] - t[-2]) / 2
 
 
 def _to_come(
-    t: Array, y: Array, threshold: float, deviation: float, rng: np.random.Generator, draws: int, *, judged: bool
-) -> Forecast:
+    t: Array, y: Array, threshold: float, deviation: float, rng: np.random.Generator, draws: int, *, judged: bool,
+    law_ends: bool,
+) -> Forecast:  # fmt: skip
     """Of wear that has yet to reach its threshold."""
     course = course_of(t, y, threshold, float(t[-1]))
     found = _candidates(course)
@@ -216,7 +222,8 @@ def _to_come(
     passage = off_by_a_factor(passage, accelerates, course, rng)
     span = abs(threshold - float(y[0]))
     since = float(t[-1]) - float(course.times[-1]) * course.reference  # of many readings the last is a mean's
-    if shows := bool(np.mean(np.isinf(passage)) <= AWAY):
+    shows = bool(np.mean(np.isinf(passage)) <= AWAY)
+    if shows and law_ends:
         passage = given_slowing_ends(passage, accelerates, course, rng)
     passage = np.maximum(passage * course.reference - since, 0.0) if shows else of_age(float(t[-1]), draws)
     return Forecast(
