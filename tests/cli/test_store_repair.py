@@ -85,3 +85,34 @@ def test_a_copy_that_is_there_is_never_written_over(inside, tmp_path, poisoned):
     assert (tmp_path / "past.db.before-repair").read_text() == "mine"
     with SqliteStore(tmp_path / "past.db") as store:
         assert store.ledger("R")["integrated_to"] > IN_2038
+
+
+@pytest.fixture
+def lags(tmp_path):
+    """A past whose robot came back after 800 days: its time goes on without the clock."""
+    (tmp_path / "robot.yaml").write_text(written(**MEASURED, components=COMPONENTS))
+    monitor = Monitor(load(tmp_path / "robot.yaml"))
+    for second in range(200):
+        monitor.observe(Sample(START + second * SECOND, T, 35.0))
+        monitor.observe(Sample(START + second * SECOND, "clock", 800 * 86_400.0 if second > 99 else float("nan")))
+    with SqliteStore(tmp_path / "past.db") as store:
+        store.save("R", monitor.ledger.to_json())
+
+
+def test_what_the_clock_is_ahead_by_is_taken_in_or_struck_out(inside, tmp_path, lags):
+    asked = inside("store", "repair", "robot.yaml", "--store", "past.db")
+    assert asked.returncode == 0
+    assert "the clock was 19,200.00 h ahead" in asked.stdout
+    assert "expected --take-in or --strike-out" in asked.stdout
+    both = inside("store", "repair", "robot.yaml", "--store", "past.db", "--take-in", "--strike-out")
+    assert (both.returncode, both.stderr) == (3, "error: --take-in or --strike-out? expected one of them\n")
+    done = inside("store", "repair", "robot.yaml", "--store", "past.db", "--take-in", "--json")
+    told = json.loads(done.stdout)
+    assert (told["repaired"]["outcome"], told["repaired"]["ahead"]) == ("taken in", 800 * 86_400.0)
+    with SqliteStore(tmp_path / "past.db") as store:
+        high, low = store.ledger("R")["totals"]["clocks"]
+    assert high[1] + low[1] == pytest.approx((199 + 800 * 86_400) / 3600, rel=1e-12)
+    assert high[0] + low[0] == pytest.approx(199 / 3600, rel=1e-9)
+    again = inside("store", "repair", "robot.yaml", "--store", "past.db", "--strike-out")
+    assert again.returncode == 3
+    assert again.stderr.startswith("error: the clock was plausible when it was last heard")

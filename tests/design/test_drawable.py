@@ -55,6 +55,23 @@ def test_a_wrong_sensor_or_threshold_is_left_out() -> None:
         assert not any(part.unknown for part in robot.all_components())
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "unknown"),
+    [
+        ("name: R", "name:", set()),
+        ("name: R", "name: 5", set()),
+        ("{{rate: {left}, quantity: {quantity}}}", "", {"drive/left"}),
+    ],
+)
+def test_what_is_half_typed_is_drawn(old: str, new: str, unknown: set[str]) -> None:
+    text = DESIGN.replace(old, new).format(**GOOD)
+    robot = drawable(text)
+    assert check(text).robot is None
+    assert robot is not None
+    assert [*units(robot.diagram)] == ["drive/left", "drive/right", "lamp"]
+    assert {part.path for part in robot.all_components() if part.unknown} == unknown
+
+
 def test_a_wrong_diagram_is_not_drawn_otherwise() -> None:
     text = DESIGN.format(**GOOD)
     assert drawable(text.replace("[left, right]", "[left, wheel]")) is None

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from robophm.core.errors import UnitError
-from robophm.report.words import duration_text, failure_text, number_text, probability_text, rate_text
+from robophm.report.words import duration_text, failure_text, number_text, percent_texts, probability_text, rate_text
 
 INF, NAN = math.inf, math.nan
 
@@ -115,3 +115,17 @@ def test_unknown_unit_of_rate() -> None:
 )
 def test_duration(hours: float, text: str) -> None:
     assert duration_text(hours) == text
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "texts"),
+    [
+        (1 / 7400, 1 / 7900, ("99.986 %", "99.987 %")),
+        (1 / 7400, 1 / 7400.1, ("99.9865 %", "99.9865 %")),  # as good as equal
+        (0.05, 0.04, ("95 %", "96 %")),
+        (0.5, 0.05, ("50 %", "95 %")),
+        (0.0, 1e-9, ("100 %", "99.9999999 %")),
+    ],
+)
+def test_two_probabilities_that_differ_read_so(one, other, texts):
+    assert percent_texts((1 - one, one), (1 - other, other)) == texts

@@ -42,6 +42,34 @@ def test_ctrl_c_again_and_again_is_no_failure(tmp_path, times):
         assert interrupted(design, 0.1 * (number % 7), EVERY[number % 4]) == (0, "")
 
 
+EARLY = """
+import sys, time
+from robophm.cli import main
+from robophm.web import serving
+made = serving.create_app
+def slowly(settings):
+    app = made(settings)  # its threads run from here on
+    print("made", flush=True)
+    time.sleep(1)
+    return app
+serving.create_app = slowly
+sys.argv = ["robophm", "serve", "robot.yaml", "--port", "0"]
+main()
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs signals")
+def test_ctrl_c_before_it_serves_ends_it_in_order_too(tmp_path):
+    (tmp_path / "robot.yaml").write_bytes(OTA.read_bytes())
+    with subprocess.Popen(
+        [sys.executable, "-c", EARLY], cwd=tmp_path, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as child:
+        assert child.stdout.readline() == "made\n"
+        child.send_signal(signal.SIGINT)
+        assert child.wait(60) == 0
+        assert child.stderr.read() == ""
+
+
 @pytest.mark.skipif(os.name == "nt", reason="needs signals")
 def test_without_a_design_a_new_robot_of_this_folder_is_served(tmp_path):
     with subprocess.Popen(

@@ -187,6 +187,15 @@ def test_a_recording_that_was_stopped_goes_on_where_it_was(cart: Path, tmp_path:
     assert not Path(f"{cart}.past").exists()
 
 
+def test_a_sensor_that_was_heard_before_this_start_is_not_called_never_heard(cart: Path, tmp_path: Path) -> None:
+    path = drive(tmp_path / "drive", 0)
+    for _ in range(2):  # the second has nothing left to hear
+        with serving(cart, store=str(tmp_path / "store.db"), recordings=(path,)) as served:
+            run_through(served, "recordings")
+            (sensor,) = served.get("/api/health")["sensors"]
+    assert (sensor["value"], sensor["age"]) == (None, pytest.approx(0.0, abs=60.0))
+
+
 def _settled(robot: Any, ledger: Ledger, name: str) -> Any:
     from robophm.health.exposure import ExposureIntegrator
 

@@ -1,11 +1,13 @@
 """Undo without limit, that outlives the process; the file stays the truth and is written only on purpose."""
 
 import threading
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
 from robophm.core.errors import DesignError, StoreError
+from robophm.core.yaml_values import values
 from robophm.design import editing
 from robophm.design.located_error import LocatedError
 from robophm.web.workspace import OutsideError, StaleError, Workspace
@@ -301,3 +303,31 @@ def test_histories_are_told_apart(path):
     for log in path.parent.glob("*.edits-*"):
         log.unlink()
     assert Workspace(path).history != number
+
+
+def test_a_value_is_put_into_the_text_as_it_is_written(tmp_path):
+    """Its own spaces, quotes and remarks stay; an edit of what is around it afterwards knows the new value."""
+    design = tmp_path / "courier.yaml"
+    text = SMALL.replace("lidar: {rate: 30 FPMH}", "lidar:   { rate:   30 FPMH }     # 'by its maker'")
+    design.write_text(text)
+    with closing(Workspace(design)) as work:
+        place = ["modules", "see", "components", "lidar", "rate"]
+
+        def rate(revision, value):
+            return work.edit(revision, put(place, value), "rate", (place, value))
+
+        draft = rate(1, "31 FIT")
+        assert draft.text == text.replace("30 FPMH", "31 FIT")
+        assert work.undo(draft.revision).text == text
+        assert work.edit(3, put(place, "3 FIT"), "rate").text != text.replace("30 FPMH", "3 FIT")  # as YAML is written
+        assert work.undo(4).text == text
+        comma = rate(5, "31 FIT, more")  # which would end there, within braces
+        assert values(comma.text, "x")[0]["modules"]["see"]["components"]["lidar"] == {"rate": "31 FIT, more"}
+        assert work.undo(6).text == text
+        work.edit(7, put(["components", "horn", "rate"], "1 FIT"), "a horn")
+        quick = rate(8, "32 FIT")
+        later = work.edit(9, lambda document: editing.delete(document, ["components", "horn"]), "no horn")
+        assert values(quick.text, "x")[0]["modules"] == values(later.text, "x")[0]["modules"]
+        assert later.text.count("32 FIT") == 1
+        with pytest.raises(StaleError):
+            rate(9, "1 FIT")

@@ -16,7 +16,8 @@ from robophm.design import identity_edits
 from robophm.design.file import DesignFile, load, rewrite
 from robophm.design.robot import Robot
 from robophm.health.ledger_parts import Fate
-from robophm.monitoring.stored_past import fates_in, identity_in, repair_past
+from robophm.health.suspect_time import Verdict, said
+from robophm.monitoring.stored_past import fates_in, identity_in, repair_past, settle_past, suspect_time_in
 from robophm.report.words import moment_text, number_text
 
 command = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None)
@@ -87,20 +88,49 @@ def _print(robot: Robot, found: Sequence[Fate], design: str, *, answered: bool) 
 
 
 @command.command()
-def repair(design: Design, path: StoreOfRobot, as_json: Json = False) -> None:
-    """Take a jump of the clock by years out of a robot's past, and what came behind it; a copy is kept beside it."""
+def repair(
+    design: Design,
+    path: StoreOfRobot,
+    take_in: Annotated[
+        bool, typer.Option("--take-in", help="the robot rested for as long as its clock is ahead of its past")
+    ] = False,
+    strike_out: Annotated[
+        bool, typer.Option("--strike-out", help="there was no such time; its past goes on from what the clock says")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Undo what a clock that was wrong did to a robot's past; a copy is kept beside it.
+
+    A jump by years that was counted is taken out, and what came behind it. Where time went on without a clock that was
+    not plausible, the difference is taken in or struck out as you say.
+    """
+    if take_in and strike_out:
+        raise RobophmError("--take-in or --strike-out? expected one of them")
     robot = load(design)
+    if take_in or strike_out:
+        _settle(robot, path, "taken in" if take_in else "struck out", as_json=as_json)
+        return
     found = repair_past(path, robot)
     done, copy = found or (None, None)
     if as_json:
         print_json({"robot": robot.name, "repaired": done._asdict() if done else None, "copy": copy and str(copy)})
         return
     out = console()
-    if not done:
+    if done:
+        out.print(
+            f"{path}: the clock had jumped from {moment_text(done.before)} by {(done.until - done.before) / HOUR:,.0f} "
+            f"h; that is taken out, with {number_text(done.operating)} h of operation behind it. As it was: {copy}",
+            markup=False, soft_wrap=True,
+        )  # fmt: skip
+    elif stretch := suspect_time_in(path, robot):
+        out.print(f"{path}: {said(stretch)}: expected --take-in or --strike-out", markup=False, soft_wrap=True)
+    else:
         out.print(f"{path}: no clock jumped by years in the past of {robot.name}; nothing is changed", markup=False)
-        return
-    out.print(
-        f"{path}: the clock had jumped from {moment_text(done.before)} by {(done.until - done.before) / HOUR:,.0f} h; "
-        f"that is taken out, with {number_text(done.operating)} h of operation behind it. As it was: {copy}",
-        markup=False, soft_wrap=True,
-    )  # fmt: skip
+
+
+def _settle(robot: Robot, path: str, verdict: Verdict, *, as_json: bool) -> None:
+    done, copy = settle_past(path, robot, verdict)
+    if as_json:
+        print_json({"robot": robot.name, "repaired": done._asdict(), "copy": str(copy)})
+    else:
+        console().print(f"{path}: {said(done)}. As it was: {copy}", markup=False, soft_wrap=True)

@@ -50,7 +50,7 @@ def command(
 def _document(one: HeardTopic) -> dict[str, Any]:
     info = one.info
     found = {"topic": info.topic, "type": info.type, "messages": info.messages, "rate": info.rate, "values": one.values}
-    return found | ({"names": one.names} if one.names else {})
+    return found | {key: said for key, said in (("names", one.names), ("trouble", info.trouble)) if said}
 
 
 def _row(one: HeardTopic) -> list[str]:
@@ -59,6 +59,8 @@ def _row(one: HeardTopic) -> list[str]:
     more = f", … {len(shown) - SHOWN} more" if len(shown) > SHOWN else ""
     if not is_topic(info.topic):
         shown = ["a dot or blank in its name; it is heard where the address names the topic above it"]
+    elif info.trouble:
+        shown = [info.trouble]
     elif not info.fields:
         shown = ["its definition is not known" if info.type else "nobody tells its type"]
     told = "".join(f"; {field} of {', '.join(of)}" for field, of in one.names.items())

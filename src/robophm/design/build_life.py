@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import lru_cache
 from typing import Any, TypeVar
 
 from robophm.core.errors import ModelError, PlugError, UnitError, nearest
@@ -92,7 +93,7 @@ def build_life(
         elif key in TENTHS:
             found = kind.with_quantile(0.1, number, **parameters)
         elif key:
-            return kind.with_rate(number * factor, **parameters), number * factor
+            return _of_rate(kind, number * factor, parameters), number * factor
         else:
             found = kind(**parameters)
         rate = found.nominal_rate
@@ -104,6 +105,18 @@ def build_life(
         return kind.with_rate(rate * factor, **parameters), rate * factor
     except (ModelError, TypeError) as error:
         raise LocatedError(at, str(error)) from None
+
+
+def _of_rate(kind: type[LifeDistribution], rate: float, parameters: Mapping[str, Any]) -> LifeDistribution:
+    """A life of this rate, of equal parts the same one: a large design has few kinds of parts."""
+    if any(isinstance(value, list) for value in parameters.values()):
+        return kind.with_rate(rate, **parameters)
+    return _kept_of_rate(kind, rate, *parameters.items())
+
+
+@lru_cache(maxsize=4096)
+def _kept_of_rate(kind: type[LifeDistribution], rate: float, *parameters: tuple[str, float]) -> LifeDistribution:
+    return kind.with_rate(rate, **dict(parameters))
 
 
 def _parameters(place: Path, life: schema.Life, kind: type[LifeDistribution], unit: str) -> dict[str, Any]:

@@ -16,6 +16,9 @@ MOST_ROUNDS = 20
 _DRAWN = ("modules", "components", "diagram", "quantity", "required", "depends_on")
 """Keys that say what is drawn, and are never left out."""
 
+NAMELESS = "robot"
+"""Name under which a robot without a name is drawn."""
+
 _NEEDED = (*_DRAWN, "name", "schema_version")
 
 
@@ -39,12 +42,19 @@ def _left_out(document: dict[str, Any], place: Sequence[str]) -> bool:
     """Leave out what is wrong; whether that is possible and had not been done before."""
     here: Any = document
     for n, key in enumerate(place):
-        if n and place[n - 1] == "components" and isinstance(here.get(key), dict):
-            drawn = {one: value for one, value in here[key].items() if one in _DRAWN and one not in place[n:]}
+        if n and place[n - 1] == "components" and key in here:
+            stated = here[key] if isinstance(here[key], dict) else {}
+            drawn = {one: value for one, value in stated.items() if one in _DRAWN and one not in place[n:]}
             bare = {**drawn, "rate": UNKNOWN}
             changed = here[key] != bare
             here[key] = bare
             return bool(changed)
+        if not n and key == "name" and here.get(key) != NAMELESS:
+            here[key] = NAMELESS
+            return True
+        if n and place[n - 1] == "modules" and not isinstance(here.get(key), dict):
+            here[key] = {}
+            return True
         if key in _DRAWN[:2] or (n and place[n - 1] == "modules"):
             here = here.get(key)
         elif key in here and key not in _NEEDED:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from robophm.core.errors import DesignError
@@ -36,6 +36,8 @@ class CheckResult:
     robot: Robot | None
     """The robot that it describes; None where there is an error."""
     problems: tuple[Problem, ...]
+    lines: Lines = field(default_factory=dict, repr=False)
+    """The line of each of its values."""
 
 
 def check(text: str) -> CheckResult:
@@ -47,7 +49,7 @@ def check(text: str) -> CheckResult:
         return CheckResult({}, None, (Problem("error", (), _said(str(error)), int(line) if line.isdigit() else None),))
     robot, wrong = built(document, lines)
     odd = _odd(robot, lines) if robot else ()
-    return CheckResult(document, robot, tuple([*wrong, *odd][:MOST_PROBLEMS]))
+    return CheckResult(document, robot, tuple([*wrong, *odd][:MOST_PROBLEMS]), lines)
 
 
 def _said(text: str) -> str:

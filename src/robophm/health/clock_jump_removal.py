@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
+from robophm.core.signal import HOUR
 from robophm.design.robot import Robot
 from robophm.health.clock_jumps import CLOCK_JUMP
 from robophm.health.ledger import Ledger, Step
@@ -34,17 +34,27 @@ def take_out_jump(robot: Robot, ledger: Ledger) -> RemovedJump | None:
     steps, until = ledger.history, ledger.integrated_to
     if ledger.started is None or until is None:
         return None
-    ends = [ledger.started, *(step.end for step in steps)]
-    first = next((i for i, (begin, end) in enumerate(pairwise(ends)) if end - begin > CLOCK_JUMP), None)
+    first = next((i for i, step in enumerate(steps) if step.calendar * HOUR > CLOCK_JUMP), None)
     if first is None:
         return None
-    before = ends[first]
+    before = steps[first - 1].end if first else ledger.started
     gone = steps[first:]
     _bring_back(robot, ledger, gone, before)
     ledger.history = steps[:first]
-    ledger.recent = [step for step in ledger.recent if step.end <= before]
-    ledger.pending, ledger.aside, ledger.ends, ledger.ended = Window(), [], [], None
+    ledger.pending, ledger.aside, ledger.ended = Window(), [], None
+    times_until(robot, ledger, before)
     ledger.integrated_to = ledger.newest = before
+    return RemovedJump(before, until, sum(step.operating for step in gone))
+
+
+def times_until(robot: Robot, ledger: Ledger, before: int) -> None:
+    """Let nothing that a ledger knows of be later than a time [ns], of which more is not known to have been.
+
+    The history stays as it is, and so do the sums.
+    """
+    ledger.started = None if ledger.started is None else min(ledger.started, before)
+    ledger.recent = [step for step in ledger.recent if step.end <= before]
+    ledger.ends = []
     ledger.heard = None if ledger.heard is None else min(ledger.heard, before)
     ledger.off = before if ledger.off is not None and ledger.off > before else ledger.off
     ledger.last = {key: (min(time, before), values) for key, (time, values) in ledger.last.items()}
@@ -54,7 +64,6 @@ def take_out_jump(robot: Robot, ledger: Ledger) -> RemovedJump | None:
         if mode.wear and mode.key in ledger.wear:
             ledger.wear[mode.key].until(before, mode.wear.every)
     ledger.services = [service._replace(time=min(service.time, before)) for service in ledger.services]
-    return RemovedJump(before, until, sum(step.operating for step in gone))
 
 
 def _bring_back(robot: Robot, ledger: Ledger, gone: list[Step], before: int) -> None:

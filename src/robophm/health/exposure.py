@@ -258,7 +258,18 @@ class ExposureIntegrator:
 
         With the time [ns] of the last value; None where there never was one.
         """
-        now = ledger.integrated_to
+        now, found = ledger.integrated_to, dict[str, int | None]()
+        for signal, last, age in self._heard(ledger):
+            if now is None or last is None or now >= last + age:
+                found[signal] = last
+        return dict(sorted(found.items()))
+
+    def heard(self, ledger: Ledger) -> dict[str, int | None]:
+        """Return when each bound signal had a valid value last [ns]; None where it never had one."""
+        return {signal: last for signal, last, _ in self._heard(ledger)}
+
+    def _heard(self, ledger: Ledger) -> list[tuple[str, int | None, float]]:
+        """Each bound signal, the time [ns] of its last valid value, and how long that holds [ns]."""
         bound: list[tuple[str, str, float]] = [
             (key, channel.signal, channel.max_age) for key, channel in self.channels.items()
         ]
@@ -266,12 +277,7 @@ class ExposureIntegrator:
             if clock.measured:
                 age = clock.measured.max_age if clock.measured.kind != "edge" else math.inf
                 bound += [(key, signal, age) for signal, key in clock.keys]
-        found: dict[str, int | None] = {}
-        for key, signal, age in bound:
-            last = ledger.last[key][0] if key in ledger.last else None
-            if now is None or last is None or now >= last + age:
-                found[signal] = last
-        return dict(sorted(found.items()))
+        return [(signal, ledger.last[key][0] if key in ledger.last else None, age) for key, signal, age in bound]
 
 
 def _with_recent(start: int, ends: Sequence[int]) -> list[int]:

@@ -118,6 +118,17 @@ class Service(NamedTuple):
     after: tuple[float, float, float]
 
 
+class SuspectTime(NamedTuple):
+    """A stretch in which the machine's clock was not plausible, and time went on without it."""
+
+    begin: int
+    end: int
+    ahead: float
+    """Seconds by which the clock was ahead of the time that counts, when it was last heard; below zero, behind."""
+    outcome: str = ""
+    """The way it ended: passed, believed, taken in or struck out; empty while it lasts."""
+
+
 @dataclass
 class Ledger:
     """A robot's past. Sums are by failure mode in design order, since new and without the initial exposure."""
@@ -181,6 +192,8 @@ class Ledger:
     """Path and traits of each part as last seen in a design, by its identity and as JSON has it."""
     changes: list[DesignChange] = field(default_factory=list)
     """The changes of the design that it went through, the latest last."""
+    suspect_time: list[SuspectTime] = field(default_factory=list)
+    """Stretches in which the machine's clock was not plausible, the latest last."""
 
     @classmethod
     def new(cls, robot: Robot) -> Ledger:
@@ -220,6 +233,7 @@ class Ledger:
             "begun",
             "archived",
             "changes",
+            "suspect_time",
         )
         wear = {key: course.copy() for key, course in self.wear.items()}
         return replace(self, **totals, **{name: getattr(self, name).copy() for name in kept}, wear=wear)
@@ -287,6 +301,7 @@ class Ledger:
             **({"wear": {key: one.to_json() for key, one in self.wear.items()}} if self.wear else {}),
             **{name: found for name in ("begun", "archived", "parts") if (found := getattr(self, name))},
             **({"changes": [list(change) for change in self.changes]} if self.changes else {}),
+            **({"suspect_time": [list(one) for one in self.suspect_time]} if self.suspect_time else {}),
         }
 
     @classmethod
@@ -350,6 +365,7 @@ class Ledger:
             archived=dict(data.get("archived", {})),
             parts=dict(data.get("parts", {})),
             changes=[DesignChange(*change) for change in data.get("changes", ())],
+            suspect_time=[SuspectTime(*one) for one in data.get("suspect_time", ())],
         )
 
 

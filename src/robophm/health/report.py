@@ -20,6 +20,7 @@ from robophm.design.task import Task
 from robophm.design.task_checks import check_task
 from robophm.health.doubtful_signals import Doubt
 from robophm.health.failures_to_come import FailuresToCome, failures_to_come
+from robophm.health.ledger import SuspectTime
 from robophm.health.mission import Completion, completion
 from robophm.health.outlooks import View
 from robophm.health.prognosis import Outlook, RemainingLife
@@ -83,6 +84,8 @@ class HealthReport:
     """Wear that sensors see of failure modes; the sensor-based figures have it in the place of their hazard."""
     doubts: tuple[Doubt, ...] = ()
     """Signals of stress that may not be true, and what that would mean. The figures take them as they are."""
+    suspect_time: tuple[SuspectTime, ...] = ()
+    """Stretches in which the machine's clock was not plausible, so that time went on without it."""
 
     @property
     def design(self) -> Robot:
@@ -221,6 +224,7 @@ class HealthReport:
             "breaches": list(self.breaches),
             "warnings": list(self.warnings),
             "notes": list(self.notes),
+            "suspect_time": [one._asdict() for one in self.suspect_time],
         }
 
     def __repr__(self) -> str:

@@ -25,6 +25,7 @@ from robophm.health.prognosis import Outlook
 from robophm.health.rejected_samples import rejected_samples
 from robophm.health.report import VIEWS, ComponentHealth, HealthReport
 from robophm.health.subject import (
+    CLOCK_OFF,
     DOUBTFUL,
     STALE,
     Figures,
@@ -37,6 +38,7 @@ from robophm.health.subject import (
     some,
     systems,
 )
+from robophm.health.suspect_time import open_stretch, said
 from robophm.health.uncertainty import SCENARIOS, LifeUncertainty, draw_loads, life_uncertainty
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 from robophm.health.worn import SeenWear, moment, wear_flags
@@ -74,13 +76,7 @@ def health_now(
 ) -> HealthReport:  # fmt: skip
     """Return hazard rates and reliabilities alone, quickly; ``look_ahead`` adds the rest."""
     robot = plant.robot
-    one_of(future, get_args(FutureName), "future")
-    if task is not None:
-        check_task(task, robot)
-    if plan is not None:
-        check_plan(plan, robot)
-    if knowledge is not None:
-        check_knowledge(knowledge, robot)
+    _check(robot, task, future, plan, knowledge)
     views = outlooks(plant, exposure, ledger, future=future, knowledge=knowledge, wear=wear)
     if plan:
         views = {view: replace(outlook, plan=plan_future(outlook, plan)) for view, outlook in views.items()}
@@ -108,7 +104,9 @@ def health_now(
                     wear,
                     doubtful,
                     *(odometers if system.kind == "robot" else ()),
-                ).with_unknown(unknown(lived, system.diagram)),
+                )
+                .with_time(ledger if system.kind == "robot" else None)
+                .with_unknown(unknown(lived, system.diagram)),
                 {view: figures_now(views[view], system.diagram) for view in VIEWS},
             )
             for system in systems(robot)
@@ -128,11 +126,22 @@ def health_now(
             for marks in (_marks(component.modes, ledger, silent, wear, doubtful),)
         ),
         asked,
-        (*rejected_samples(ledger), *_counted_since(robot, ledger), *_doubted(doubtful, lived, asked)),
+        (*_of_the_past(robot, ledger), *_doubted(doubtful, lived, asked)),
         views,
         wear=tuple(wear),
         doubts=doubtful,
+        suspect_time=tuple(ledger.suspect_time),
     )
+
+
+def _check(robot: Robot, task: Task | None, future: FutureName, plan: Plan | None, knowledge: Knowledge | None) -> None:
+    one_of(future, get_args(FutureName), "future")
+    if task is not None:
+        check_task(task, robot)
+    if plan is not None:
+        check_plan(plan, robot)
+    if knowledge is not None:
+        check_knowledge(knowledge, robot)
 
 
 def look_ahead(
@@ -179,6 +188,11 @@ def with_earlier_look(now: HealthReport, earlier: HealthReport) -> HealthReport:
     return found
 
 
+def _of_the_past(robot: Robot, ledger: Ledger) -> list[str]:
+    """What qualifies what a ledger has counted."""
+    return [*map(said, ledger.suspect_time), *rejected_samples(ledger), *_counted_since(robot, ledger)]
+
+
 def _counted_since(robot: Robot, ledger: Ledger) -> list[str]:
     """What is said of parts that came into the design when the robot had lived already."""
     came: dict[int, list[str]] = {}
@@ -203,6 +217,10 @@ class _Marks(NamedTuple):
     flags: tuple[str, ...] = ()
     silence: str = ""
     unknown: PartsOfUnknownRate | None = None
+
+    def with_time(self, ledger: Ledger | None) -> _Marks:
+        """Return the marks, with that of a ledger whose time goes on without the machine's clock."""
+        return self._replace(flags=(CLOCK_OFF, *self.flags)) if ledger and open_stretch(ledger) else self
 
     def with_unknown(self, left_out: PartsOfUnknownRate | None) -> _Marks:
         """Return the marks with the effect of parts of unknown rate on the figures."""

@@ -19,6 +19,9 @@ State = Literal["ok", "warn", "error", "stale"]
 DOUBTFUL = "doubtful "
 """The flag of figures that rest on a signal that may not be true, before its name."""
 
+CLOCK_OFF = "clock not plausible"
+"""The flag of a robot whose time goes on without its machine's clock."""
+
 STALE = "stale "
 """The beginning of the flag of a silent signal."""
 
@@ -122,12 +125,13 @@ class Subject:
     @property
     def state(self) -> State:
         """Return the state in one word. It is stale where a sensor is silent and no threshold is known to be broken,
-        and never plainly ok where parts of unknown rate are left out, a part is worn or a signal is doubtful."""
+        and never plainly ok where parts of unknown rate are left out, a part is worn, or a signal or the clock is
+        doubtful."""
         if self.breaches:
             return "error"
         if self.stale:
             return "stale"
-        marked = any(flag.startswith((WEAR, DOUBTFUL)) for flag in self.flags)
+        marked = any(flag.startswith((WEAR, DOUBTFUL, CLOCK_OFF)) for flag in self.flags)
         return "warn" if self.warnings or self.unknown or marked else "ok"
 
 

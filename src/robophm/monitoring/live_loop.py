@@ -9,7 +9,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import REORDERED, SECOND, Sample
+from robophm.core.signal import CLOCK, REORDERED, SECOND, Sample
 from robophm.design.robot import Robot
 from robophm.health.reporting import health_now
 from robophm.monitoring.clock_steps import ClockSteps
@@ -22,10 +22,13 @@ from robophm.monitoring.wear_watch import WearWatch
 from robophm.stores.store import Progress, Store
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.signals.report_sink import JudgedTask, ReportSink
-from robophm.transports.signals.source import Gap, LiveItem, LiveSource, SignalSource, WholeMessage
+from robophm.transports.signals.source import STAMP_LIMIT, Gap, LiveItem, LiveSource, SignalSource, WholeMessage
 
 NOTES_EVERY = 0.5
 """Seconds between two looks for what was lost, silent or refused."""
+
+LATEST = 2 * STAMP_LIMIT
+"""Nanoseconds that a live sample may come late and count all the same; what is later is of a clock that went back."""
 
 SAVE_EVERY = 5.0
 """Seconds between two saves: what a crash may cost where there is no journal to take it from."""
@@ -88,6 +91,7 @@ class _Watch:
         self._monitor = Monitor(self.robot, ledger, period=self.period, on_tick=self._tick)
         self._tasks = LiveTasks(self._monitor, self._wear, speed=self.speed, functions=self.functions)
         self._silent = SilentSignals(self.robot.max_ages)
+        self._late: Counter[str] = Counter()
         self._looked = time.monotonic()
         self._noted: Counter[str] = Counter()
         """The notes that were told last."""
@@ -110,6 +114,8 @@ class _Watch:
             opened.callback(self._save)
             if self.on_start:
                 self.on_start(monitor)
+            if isinstance(self.source, LiveSource):
+                self.source.known_to = monitor.ledger.known_to
             for heard in _listen(self.source, self.robot.signals, self.task_topics):
                 if isinstance(heard, WholeMessage):
                     self._hear_of_task(heard)
@@ -120,7 +126,7 @@ class _Watch:
                     self._take(heard)
                 self._tell_notes()
             self._note_orders()
-        self.source.notes.update(self._tasks.notes + self._silent.notes)
+        self.source.notes.update(self._tasks.notes + self._silent.notes + self._late)
         return monitor
 
     def _take(self, heard: Sample) -> None:
@@ -130,6 +136,7 @@ class _Watch:
                 f"heard; expected a clock that is right, or another store; {REPAIR}"
             )
         self._behind = None
+        heard = self._in_time(heard)
         self._silent.hear(heard)
         if self.journal:
             self.journal.write(heard)
@@ -139,12 +146,22 @@ class _Watch:
         if time.monotonic() - self._saved > SAVE_EVERY:
             self._save()
 
+    def _in_time(self, heard: Sample) -> Sample:
+        """Return a live sample as of now where it comes too late for its own time, so that it is not lost."""
+        now, done = self._monitor.ledger.newest, self._monitor.ledger.integrated_to
+        if now is None or done is None or not now - LATEST <= heard.time <= done or heard.signal == CLOCK:
+            return heard
+        if not isinstance(self.source, LiveSource) or self.source.recorded:
+            return heard
+        self._late[f"too late for its own time, counted when it was heard: {heard.signal}"] += 1
+        return heard._replace(time=now)
+
     def _tell_notes(self) -> None:
         """Tell the sinks at once of what was lost, silent or refused, by the source or by one of them."""
         if (now := time.monotonic()) - self._looked < NOTES_EVERY:
             return
         self._looked = now
-        notes = self.source.notes.copy() + self._tasks.notes + self._silent.notes
+        notes = self.source.notes.copy() + self._tasks.notes + self._silent.notes + self._late
         for sink in self.sinks:
             notes.update(sink.notes)
         if notes != self._noted:

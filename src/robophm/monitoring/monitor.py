@@ -24,6 +24,7 @@ from robophm.health.outlooks import FutureName
 from robophm.health.plant import Plant
 from robophm.health.report import HealthReport
 from robophm.health.reporting import health_report
+from robophm.health.suspect_time import hear_clock
 from robophm.health.window import Columns, Window, parted
 from robophm.health.worn import SeenWear
 from robophm.monitoring.seen_wear import seen_wear, with_alarms
@@ -149,6 +150,8 @@ class Monitor:
             if signal != CLOCK:
                 ledger.counts[f"late: {signal}"] += 1
             return
+        if signal == CLOCK and (ledger.suspect_time or math.isfinite(value)):
+            hear_clock(ledger, at, value)
         if signal != CLOCK and not math.isfinite(value):
             ledger.counts[f"{NOT_FINITE}{signal}"] += 1
             return

@@ -11,8 +11,9 @@ from robophm.core.errors import StoreError, nearest
 from robophm.design.identities import identities
 from robophm.design.robot import Robot
 from robophm.health.clock_jump_removal import RemovedJump, take_out_jump
-from robophm.health.ledger import Ledger
+from robophm.health.ledger import Ledger, SuspectTime
 from robophm.health.ledger_parts import Fate, fates, identity_of
+from robophm.health.suspect_time import Verdict, open_stretch, settle
 from robophm.monitoring.replay import kept_ledger
 from robophm.stores import Address, existing_store, place_of
 from robophm.stores.store import Store
@@ -76,7 +77,41 @@ def repair_past(address: Address, robot: Robot) -> RepairedPast | None:
         done = take_out_jump(robot, ledger)
         if done is None:
             return None
-        copy = Path(f"{place_of(address)}.before-repair")
-        store.copy_to(copy)
+        copy = _copied(store, address)
         store.bring_back(robot.identity, ledger.to_json(), done.before)
         return RepairedPast(done, copy)
+
+
+class SettledPast(NamedTuple):
+    """The stretch of a robot's past that was taken in or struck out, and the copy of the store as it was before."""
+
+    done: SuspectTime
+    copy: Path
+
+
+def settle_past(address: Address, robot: Robot, verdict: Verdict) -> SettledPast:
+    """Take in or strike out what the clock is off by without which a robot's time went on, as ``settle``.
+
+    A copy of the store is made beside it before anything is changed. Raises RobophmError as ``settle``, StoreError
+    where the store knows no such robot, or cannot be copied or written.
+    """
+    with stored_past(address, robot) as (store, ledger):
+        done = settle(robot, ledger, verdict)
+        copy = _copied(store, address)
+        if done.ahead < 0 and ledger.integrated_to is not None:
+            store.bring_back(robot.identity, ledger.to_json(), ledger.integrated_to)
+        else:
+            store.save(robot.identity, ledger.to_json())
+        return SettledPast(done, copy)
+
+
+def suspect_time_in(address: Address, robot: Robot) -> SuspectTime | None:
+    """Return the stretch that lasts until now in which the clock was not plausible. Raises StoreError as the others."""
+    with stored_past(address, robot) as (_, ledger):
+        return open_stretch(ledger)
+
+
+def _copied(store: Store, address: Address) -> Path:
+    copy = Path(f"{place_of(address)}.before-repair")
+    store.copy_to(copy)
+    return copy

@@ -1,6 +1,8 @@
-"""Entries by what people type: words compared with words, whatever their case, number and hyphens, and a slip of a key.
+"""Entries by what people type: words compared with words, in any case, number and spelling, and a slip of a key.
 
-How well a phrase of an entry fits what is asked is Dice's coefficient of their words, 2·|both|/(|phrase| + |asked|).
+The last word in front of "with", "for" or a comma says what a thing is; of what, how large and with what it is says
+little, and counts only for phrases that say so too. How well a phrase of an entry fits what is asked is Dice's
+coefficient of their words, 2·|both|/(|phrase| + |asked|).
 Source: Dice, Measures of the amount of ecologic association between species, Ecology 26 (1945).
 """
 
@@ -55,6 +57,35 @@ _SMALL = frozenset(["a", "an", "and", "by", "for", "from", "in", "my", "of", "on
 _BEHIND = re.compile(r"\b(?:with|for|of|in|on|from)\b|[,(]")
 """Words behind which a name ends, and what is said of the thing begins."""
 
+_OF_WHAT = frozenset(
+    """
+    alloy aluminum brass carbon fiber metal nylon plastic rubber silicone stainless steel titanium wood wooden
+    big cheap compact heavy large light lightweight little micro mini miniature new slim small spare tiny
+    black blue green red white amp bit channel degree dof gigabit inch port volt watt
+    """.split()  # noqa: SIM905
+)
+"""Words that say of what a thing is, how large, or of which unit a number is."""
+
+_SIZE = re.compile(
+    r"\d+(?:[munk]?[mgvawsfh]|[ckd]m|[munk]?(?:ah|wh|hz)|[gmtk]b|[gm]hz|in|inch|ft|lb|oz|nm|kv|rpm|mp|bit|dof|ch|p|deg)?"
+)
+"""A number with a unit or none: 5000mAh, 10mm, 2300."""
+
+_AMERICAN = {
+    "aluminium": "aluminum",
+    "castor": "caster",
+    "disc": "disk",
+    "gage": "gauge",
+    "grey": "gray",
+    "tyre": "tire",
+}
+_ENDINGS = (
+    (re.compile(r"(?<=\w{2})our$"), "or"),
+    (re.compile(r"(?<=\w[tb])re$"), "er"),
+    (re.compile(r"iser$"), "izer"),
+)
+"""Words and endings of British spelling, and what they are in the other: colour, metre, fibre, stabiliser."""
+
 
 class _Phrase(NamedTuple):
     words: frozenset[str]
@@ -79,7 +110,7 @@ def search(words: str) -> list[Entry]:
     >>> [entry.name for entry in search("Ball-Bearings")][:1]
     ['ball_bearing']
     """
-    asked = _readings(_tokens(words)[:_LONGEST])
+    asked = _readings(words)
     found = {name: max((_fit(one, entry) for one in asked), default=_Fit(0.0, 0.0)) for name, entry in _index().items()}
     most = max((fit.covers for fit in found.values()), default=0.0)
     names = [name for name, fit in found.items() if fit.covers and fit.covers >= 0.99 * most]
@@ -92,19 +123,38 @@ class _Fit(NamedTuple):
     closeness: float
 
 
-def _fit(weight: Mapping[str, float], entry: _Indexed) -> _Fit:
+class _Asked(NamedTuple):
+    """What is asked for, in words that entries may have."""
+
+    weight: Mapping[str, float]
+    aside: frozenset[str]
+    """Those that do not say what the thing is: of what, how large, with what."""
+    head: frozenset[str]
+    """Those of the word that says what it is."""
+
+    def counted(self, words: frozenset[str]) -> float:
+        """What the words asked for count beside a phrase of these words."""
+        return sum(min(said, _VERSION) if word in self.aside - words else said for word, said in self.weight.items())
+
+
+def _fit(asked: _Asked, entry: _Indexed) -> _Fit:
+    weight = asked.weight
     if any(weight[word] == 1 for word in entry.all & weight.keys()):
         weight = {word: 1.0 if one == _SLIPPED else one for word, one in weight.items()}
-    total, best, all_known = sum(weight.values()), 0.0, weight.keys() <= entry.all
+        asked = asked._replace(weight=weight)
+    best, all_known = 0.0, weight.keys() <= entry.all
     for phrase in entry.phrases:
         if phrase.head in weight or entry.often & weight.keys():
-            fit = 2 * sum(weight[word] for word in phrase.words & weight.keys()) / (phrase.size + total)
-            if all_known and phrase.words <= weight.keys():  # m.2, nvme and drive are all of them words of an SSD
-                fit = max(fit, ENOUGH)
+            shared = sum(weight[word] for word in phrase.words & weight.keys())
+            fit = 2 * shared / (phrase.size + asked.counted(phrase.words))
+            named = phrase.words <= asked.head and shared >= 1  # a tilt rotor servo is a servo
+            if named or (all_known and (phrase.words <= weight.keys() or phrase.head in asked.head)):
+                fit = max(fit, ENOUGH)  # m.2, nvme and drive are all of them words of an SSD
             if fit >= ENOUGH:
                 called = 1.0 if phrase.head in weight else _ASIDE
-                best = max(best, fit * phrase.trust * called + _KIND * ([*weight][-1] in phrase.words))
-    return _Fit(sum(weight[word] for word in entry.all & weight.keys()) / total if best else 0.0, best)
+                best = max(best, fit * phrase.trust * called + _KIND * bool(asked.head & phrase.words))
+    known = sum(min(one, _VERSION) if word in asked.aside else one for word, one in weight.items() if word in entry.all)
+    return _Fit(known / asked.counted(frozenset()) if best else 0.0, best)
 
 
 @cache
@@ -141,8 +191,16 @@ def _known() -> frozenset[str]:
 
 
 def _tokens(text: str) -> list[str]:
-    """The words of a text in one form: small letters, no hyphens, singular; each once."""
-    return list(dict.fromkeys(map(_singular, (w for w in re.findall(r"[^\W_]+", text.casefold()) if w not in _SMALL))))
+    """The words of a text in one form: small letters, no hyphens, singular, American; each once."""
+    words = (word for word in re.findall(r"[^\W_]+", text.casefold()) if word not in _SMALL)
+    return list(dict.fromkeys(_american(_singular(word)) for word in words))
+
+
+def _american(word: str) -> str:
+    """In American spelling; what is no British one loses nothing by it, as both sides are taken so."""
+    for ending, other in _ENDINGS:
+        word = ending.sub(other, word)
+    return _AMERICAN.get(word, word)
 
 
 def _singular(word: str) -> str:
@@ -154,16 +212,29 @@ def _singular(word: str) -> str:
     return word[:-1] if len(word) > 3 and word.endswith("s") and not word.endswith("ss") else word
 
 
-def _readings(asked: Sequence[str]) -> list[dict[str, float]]:
-    """The words asked for as entries may write them, with what each counts: apart, or two run together as one."""
-    known = _known()
+def _readings(text: str) -> list[_Asked]:
+    """What is asked for as entries may write it: each word apart, or two run together as one."""
+    known, said = _known(), _tokens(text)[:_LONGEST]
+    naming = {*_tokens(_BEHIND.split(text.casefold())[0])} - _OF_WHAT
+    aside = {*said} - naming if naming & {*said} else set()
     joined, place = [], 0
-    while place < len(asked):
-        pair = "".join(asked[place : place + 2])  # li-po, gear box
-        joined.append(pair if pair in known else asked[place])
-        place += 2 if pair in known and place + 1 < len(asked) else 1
-    tried = (choice for said in (asked, joined) for choice in islice(product(*map(_as_known, said)), _TRIED))
-    return [{word: weight for one in choice for word, weight in one.items()} for choice in tried if choice]
+    while place < len(said):
+        pair = "".join(said[place : place + 2])  # li-po, gear box
+        joined.append(pair if pair in known else said[place])
+        place += 2 if pair in known and place + 1 < len(said) else 1
+    return [
+        _asked(words, choice, aside)
+        for words in (said, joined)
+        for choice in islice(product(*map(_as_known, words)), _TRIED)
+        if choice
+    ]
+
+
+def _asked(words: Sequence[str], choice: Sequence[Mapping[str, float]], aside: set[str]) -> _Asked:
+    """One reading: for each word what entries may write, with what it counts."""
+    weight = {word: said for one in choice for word, said in one.items()}
+    naming = [frozenset(one) for word, one in zip(words, choice, strict=True) if word not in aside]
+    return _Asked(weight, frozenset(weight.keys() - frozenset().union(*naming)), naming[-1] if naming else frozenset())
 
 
 def _as_known(word: str) -> list[dict[str, float]]:
@@ -171,6 +242,10 @@ def _as_known(word: str) -> list[dict[str, float]]:
     known = _known()
     if word in known:
         return [{word: _counts(word)}]
+    if _SIZE.fullmatch(word):
+        return [{word: _VERSION}]
+    if (plain := word.rstrip("abcdefghijklmnopqrstuvwxyz")) in known and len(plain) > 2:  # 608zz is a 608
+        return [{plain: 1.0}]
     if family := _of_family(word):
         return [dict.fromkeys(family, 1.0)]
     apart = ((word[:i], word[i:]) for i in range(2, len(word) - 1))

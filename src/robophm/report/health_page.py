@@ -31,7 +31,7 @@ from robophm.report.page import figure, page, section, side_by_side, table_html,
 from robophm.report.style import Tone
 from robophm.report.wear import wear_table
 from robophm.report.why import reasons, sentence
-from robophm.report.words import duration_text, number_text, odds_text, percent_text, rate_text
+from robophm.report.words import duration_text, number_text, odds_text, percent_text, percent_texts, rate_text
 
 VIEWS = {"nominal": "nominal", "sensor_based": "sensor-based"}
 """The two views and what they are called."""
@@ -107,7 +107,7 @@ def _tiles(report: HealthReport) -> Html:
         ),
         tile(
             "Reliability",
-            _each(both, lambda f: works + percent_text(f.reliability, f.unreliability)),
+            dict(zip(both, (works + one for one in _reliabilities(*both.values())), strict=True)),
             _odds("survival since new", system.sensor_based.unreliability),
             tone,
         ),
@@ -146,6 +146,10 @@ def _odds(what: str, failure: float) -> str:
 
 def _each(figures: Mapping[str, Figures], text: Callable[[Figures], str]) -> dict[str, str]:
     return {name: text(figures_) for name, figures_ in figures.items()}
+
+
+def _reliabilities(nominal: Figures, sensor_based: Figures) -> tuple[str, str]:
+    return percent_texts(*((one.reliability, one.unreliability) for one in (nominal, sensor_based)))
 
 
 def _labels(robot: Robot, report: HealthReport) -> Callable[[str], Label]:
@@ -212,8 +216,7 @@ def _subject_table(subjects: Iterable[Subject]) -> Html:
         rate, works, ahead = marks(one.unknown)
         rows.append((
             one.path, marked(rate, number_text(nominal.hazard_rate)), marked(rate, number_text(lived.hazard_rate)),
-            works + percent_text(nominal.reliability, nominal.unreliability),
-            works + percent_text(lived.reliability, lived.unreliability),
+            *(works + text for text in _reliabilities(nominal, lived)),
             marked(ahead, duration_text(life.median)) if life else None,
             ahead + percent_text(task.probability, task.failure) if task else None,
             ", ".join(one.marks) or None,

@@ -48,10 +48,11 @@ def more_text(count: int, what: str) -> str:
     return f"{count_text(count)} more {'is' if count == 1 else 'are'} not {what}"
 
 
-def percent_text(p: float, failure: float | None = None) -> str:
+def percent_text(p: float, failure: float | None = None, beside: float | None = None) -> str:
     """A probability in percent with as many nines as it has: "99.98 %", "> 99.9999999999 %".
 
-    ``failure`` is the complement 1 − p; give it where it is known better than by subtraction.
+    ``failure`` is the complement 1 − p; give it where it is known better than by subtraction. ``beside`` is the failure
+    of another probability that stands beside it: up to two more decimals tell the two apart.
     """
     q = 1 - p if failure is None else failure
     if math.isnan(p) or math.isnan(q):
@@ -60,9 +61,22 @@ def percent_text(p: float, failure: float | None = None) -> str:
         return f"{number_text(100 * p)} %"
     if q < 1e-12:
         return "> 99.9999999999 %"
-    # as many decimals as keep a failure that can happen from reading as 100 %
-    percent = f"{100 - 100 * q:.{max(2, math.ceil(-2 - math.log10(q)))}f}"
-    return f"{percent.rstrip('0').rstrip('.')} %"
+    more = 0
+    if beside is not None and 1e-12 <= beside <= 0.1:
+        while more < 2 and _percent(q, more) == _percent(beside, more):
+            more += 1
+    return f"{_percent(q, more)} %"
+
+
+def percent_texts(one: tuple[float, float], other: tuple[float, float]) -> tuple[str, str]:
+    """Two probabilities side by side, each with its complement, as ``percent_text``: what differs reads so."""
+    return percent_text(*one, beside=other[1]), percent_text(*other, beside=one[1])
+
+
+def _percent(failure: float, more: int) -> str:
+    """The complement in percent, with as many decimals as keep a failure that can happen from reading as 100 %."""
+    percent = f"{100 - 100 * failure:.{max(2, math.ceil(-2 - math.log10(failure))) + more}f}"
+    return percent.rstrip("0").rstrip(".")
 
 
 def odds_text(failure: float) -> str:

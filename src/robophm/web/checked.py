@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from robophm.design.problems import CheckResult, Problem, check
 from robophm.health.refusal import refusal
+from robophm.web.prepared_robot import PreparedRobots
 
 _KEPT = 6
 
@@ -18,21 +19,22 @@ class CheckedTexts:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._found: OrderedDict[str, CheckResult] = OrderedDict()
+        self.prepared = PreparedRobots()
+        """The robots of the texts, prepared."""
 
     def of(self, text: str) -> CheckResult:
         """Return all that can be said of a text, found now or remembered."""
         with self._lock:
             if text not in self._found:
-                self._found[text] = _checked(text)
+                self._found[text] = self._checked(text)
                 while len(self._found) > _KEPT:
                     self._found.popitem(last=False)
             self._found.move_to_end(text)
             return self._found[text]
 
-
-def _checked(text: str) -> CheckResult:
-    """A check of a text that includes why no figures can be given for the robot that it describes."""
-    found = check(text)
-    if found.robot is None or (says := refusal(found.robot)) is None:
-        return found
-    return replace(found, problems=(Problem("error", (), says, None), *found.problems))
+    def _checked(self, text: str) -> CheckResult:
+        """A check of a text that includes why no figures can be given for the robot that it describes."""
+        found = check(text)
+        if found.robot is None or (says := refusal(found.robot, lambda robot: self.prepared.of(robot).plant)) is None:
+            return found
+        return replace(found, problems=(Problem("error", (), says, None), *found.problems))

@@ -29,6 +29,8 @@ class Life(Shape):
     median: float | None
     early: float | None
     late: float | None
+    survived: float | None = None
+    """Time at which survival falls to the value that the design states; null where it states none, or for ever."""
 
 
 class ViewFigures(Shape):
@@ -157,6 +159,8 @@ class Health(Shape):
     """The parts that are seen to wear: what is critical first, then what comes first to its threshold."""
     to_come: ToCome | None
     """Failures to come; null before remaining life, on which they rest, has been worked out."""
+    survival: float | None
+    """Value of survival of which the design wants to know the time; null where it states none."""
     limits_set: bool
     """Whether the design sets any threshold: without one nothing can be called too low."""
     sensors: list[Freshness]
@@ -191,6 +195,7 @@ def health_of(
         subjects=[_subject(one, latest.get(one.path)) for one in report.subjects],
         wear=worn_parts(report.wear, report.outlooks["sensor_based"].plant),
         to_come=_to_come(lives, horizon) if lives else None,
+        survival=report.design.thresholds.survival,
         limits_set=report.design.limited,
         sensors=sensors,
         notes=list(report.notes),
@@ -238,7 +243,9 @@ def _figures(now: Figures, latest: Figures | None) -> ViewFigures:
 
 def life_of(life: RemainingLife) -> Life:
     """A remaining life in the form that JSON can express."""
-    return Life(mean=finite(life.mean), median=finite(life.median), early=finite(life.early), late=finite(life.late))
+    names = ("mean", "median", "early", "late")
+    survived = None if life.threshold is None else finite(life.threshold)
+    return Life(**{name: finite(getattr(life, name)) for name in names}, survived=survived)
 
 
 def _to_come(lives: HealthReport, horizon: float | None) -> ToCome:

@@ -75,6 +75,8 @@ class Run:
     """The explanation of the health of ``lives``."""
     ledger: Ledger | None = None
     """Settled ledger of the latest report; nobody changes it."""
+    heard: Mapping[str, int | None] = field(default_factory=dict)
+    """The time [ns] of each signal's last valid value, in this run or before it, as of the latest report."""
     samples: int = 0
     notes: Mapping[str, int] = field(default_factory=dict)
     tasks: Callable[[], list[TaskRecord]] = list
@@ -92,6 +94,7 @@ class _Tapped(LiveSource):
         self._source, self._board, self._run = source, board, run
         self.fingerprint = source.fingerprint
         self.notes = source.notes
+        self.recorded = not isinstance(source, LiveSource)
 
     def topics(self) -> list[TopicInfo]:
         return self._source.topics()
@@ -99,7 +102,11 @@ class _Tapped(LiveSource):
     def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
         source = self._source
         all_heard: Iterator[LiveItem]
-        all_heard = source.listen(signals, topics) if isinstance(source, LiveSource) else source.samples(signals)
+        if isinstance(source, LiveSource):
+            source.known_to = self.known_to
+            all_heard = source.listen(signals, topics)
+        else:
+            all_heard = source.samples(signals)
         self.notes = source.notes
         hear, run = self._board.hear, self._run
         for heard in all_heard:
@@ -302,7 +309,7 @@ class _Looking:
         self._wear.renew_soon(ledger)
         wear = self._wear.latest(ledger)
         report = health_report(monitor.plant, monitor.exposure, ledger, remaining_life=full, wear=wear)
-        run.ledger, run.report = ledger, report
+        run.ledger, run.report, run.heard = ledger, report, monitor.exposure.heard(ledger)
         if full:
             _ = report.failures_to_come  # here, so that whoever looks does not wait for it
             run.lives, run.why = report, explain(report)

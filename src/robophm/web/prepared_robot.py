@@ -31,9 +31,13 @@ class PreparedRobot:
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
-        self.plant = Plant(robot)
         self.wear = WearWatch(robot)
         """Forecasts of its wear."""
+
+    @cached_property
+    def plant(self) -> Plant:
+        """Return the robot compiled for computation. Raises RobophmError where no figures can be given for it."""
+        return Plant(self.robot)
 
     def seen_wear(self, exposure: ExposureIntegrator, ledger: Ledger) -> Sequence[SeenWear]:
         """Return what sensors have seen of the robot's wear by now, as the ledger tells."""

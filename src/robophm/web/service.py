@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sqlite3
 import threading
 from collections.abc import Iterable
@@ -26,7 +27,7 @@ from robophm.health.prognosis import Outlook
 from robophm.stores import Address
 from robophm.web.jobs import Jobs
 from robophm.web.monitoring import Monitoring
-from robophm.web.prepared_robot import PreparedRobot, PreparedRobots, rates_of
+from robophm.web.prepared_robot import PreparedRobot, rates_of
 from robophm.web.shapes import DesignState, Problem
 from robophm.web.sources import Choice, choices, chosen
 from robophm.web.workspace import Draft, Workspace
@@ -37,6 +38,9 @@ if TYPE_CHECKING:
 
 LONGEST_END = 10.0
 """The most seconds to wait for a thread that is reading the design."""
+
+MANY_PARTS = 1000
+"""Levels and parts of a design that is large."""
 
 FOLLOWED_EVERY = 1.0
 """Seconds between two looks at the design's file."""
@@ -70,7 +74,6 @@ class Service:
         """The files that were handed in for a draft of the robot, in a folder beside its design."""
         self.seed = settings.seed
         """Seed of the synthetic robot, where it can be chosen."""
-        self._shelf = PreparedRobots()
         self.changed_outside = False
         """Whether the file holds what somebody else has made of it, and taking it would lose edits or is impossible."""
         self._ended = threading.Event()
@@ -84,7 +87,9 @@ class Service:
 
     def _read_ahead(self) -> None:
         with suppress(RobophmError, sqlite3.Error):
-            self.design_state()
+            if len(self.design_state().levels) > MANY_PARTS:
+                gc.collect()
+                gc.freeze()  # else each edit waits while all of it is looked through for what can be let go of
 
     def _follow_file(self) -> None:
         while not self._ended.wait(FOLLOWED_EVERY):
@@ -107,7 +112,7 @@ class Service:
         if checked.robot is None:
             first = checked.problems[0]
             raise DesignError(f"{'/'.join(first.place) or 'the design'}: {first.message}")
-        return self._shelf.of(checked.robot)
+        return self.workspace.checked.prepared.of(checked.robot)
 
     def to_draw(self) -> tuple[PreparedRobot, list[str]]:
         """Return the robot to be drawn, and what is wrong in it, drawn without a rate. Raises DesignError."""
@@ -117,7 +122,7 @@ class Service:
         if robot is None:
             return self.prepared(), []
         wrong = [one for one in checked.problems if one.level == "error"]
-        return self._shelf.of(robot), [f"{'/'.join(one.place)}: {one.message}" for one in wrong]
+        return self.workspace.checked.prepared.of(robot), [f"{'/'.join(one.place)}: {one.message}" for one in wrong]
 
     def watch(self, source: str, speed: float) -> None:
         """Begin to watch the robot of the design now, from a source by its name, until it is stopped.
@@ -136,10 +141,11 @@ class Service:
         """Return what of the design now, and of what was in it, has a past. Raises StoreError."""
         checked = self.workspace.checked.of(self.workspace.draft().text)
         name = str(checked.document.get("identity") or checked.document.get("name"))
-        parts = identities(checked.robot) if checked.robot else ()
-        found = [lived(data, parts) for data in self.monitoring.pasts(name)]
-        if not found:
+        pasts = self.monitoring.pasts(name)
+        if not pasts:
             return NOTHING
+        parts = identities(checked.robot) if checked.robot else ()
+        found = [lived(data, parts) for data in pasts]
         every = {name}.union(*(one.every for one in found))
         return Lived(every, set().union(*(one.doubted or () for one in found)) if checked.robot else None)
 
@@ -166,7 +172,7 @@ class Service:
         draft = draft or self.workspace.draft()
         checked = self.workspace.checked.of(draft.text)
         name = checked.document.get("name")
-        prepared = self._shelf.of(checked.robot) if checked.robot else None
+        prepared = self.workspace.checked.prepared.of(checked.robot) if checked.robot else None
         return DesignState(
             revision=draft.revision,
             state=draft.state,

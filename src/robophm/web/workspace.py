@@ -17,7 +17,7 @@ import threading
 import time
 import weakref
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,10 +25,12 @@ from typing import Any
 from robophm.core.errors import DesignError, StoreError
 from robophm.core.yaml_values import MAX_BYTES
 from robophm.design.carried_edits import carry
+from robophm.design.editing import put, value_at
 from robophm.design.file import read, write_text
 from robophm.design.located_error import LocatedError
 from robophm.design.naming import design_name, quoted
 from robophm.design.problems import check
+from robophm.design.scalar_edit import is_scalar, with_scalar, with_value
 from robophm.web.checked import CheckedTexts
 
 VERSION = 1
@@ -175,11 +177,42 @@ class Workspace:
                 state = parent
             return found
 
-    def edit(self, revision: int, change: Callable[[Any], None], what: str) -> Draft:
-        """Change the document, comments kept. Raises StaleError, and LocatedError where it cannot be done."""
+    def edit(
+        self,
+        revision: int,
+        change: Callable[[Any], None],
+        what: str,
+        scalar: tuple[Sequence[str], object] | None = None,
+    ) -> Draft:
+        """Change the document, comments kept. Raises StaleError, and LocatedError where it cannot be done.
+
+        ``scalar``: a place and its new value, where that is all of the change: then, if it can be, the text is edited
+        itself, all else letter for letter.
+        """
         with self._lock:
             self._current(revision)
-            return self._move(self.edited(change, keep=True), what)
+            text = self._with_scalar(*scalar) if scalar else None
+            return self._move(self.edited(change, keep=True) if text is None else text, what)
+
+    def _with_scalar(self, place: Sequence[str], value: object) -> str | None:
+        """The text with a scalar in place of another one; None where that takes an edit of the document."""
+        state = self._here()[0]
+        text = self._text(state)
+        before = self.checked.of(text)
+        try:
+            if not is_scalar(value) or not is_scalar(value_at(before.document, place)):
+                return None
+            wanted = with_value(before.document, place, value)
+        except (LocatedError, LookupError, TypeError, ValueError):
+            return None
+        found = with_scalar(text, before.lines, place, dump(value).removesuffix("\n...\n").removesuffix("\n"))
+        if found is None or self.checked.of(found).document != wanted:
+            return None
+        kept, self._document = self._document, None
+        if kept and kept[0] == state:
+            put(kept[1], place, value)
+            self._document = -1, kept[1]
+        return found
 
     def edited(self, change: Callable[[Any], None], *, keep: bool = False) -> str:
         """Return the text that a change would give. Raises LocatedError where it cannot be done."""

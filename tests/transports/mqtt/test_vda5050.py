@@ -133,10 +133,26 @@ def _speak(robot: Robot, over: threading.Event) -> None:
         robot.say("/state", state(number, 80.0))
 
 
+def _statuses(robot: Robot, name: str) -> list[dict[str, Any]]:
+    """What /diagnostics said so far of this name."""
+    said = [json.loads(raw) for topic, raw in list(robot.heard) if topic == f"{ROOT}/diagnostics"]
+    return [status for one in said for status in one["status"] if status["name"].endswith(f": {name}")]
+
+
 def _listening(robot: Robot) -> list[dict[str, Any]]:
     """What health's own status on /diagnostics said so far of what was lost or silent."""
-    said = [json.loads(raw) for topic, raw in list(robot.heard) if topic == f"{ROOT}/diagnostics"]
-    return [status for one in said for status in one["status"] if status["name"].endswith(": listening")]
+    return _statuses(robot, "listening")
+
+
+def _said(robot: Robot, name: str) -> str:
+    """What /diagnostics said last of the robot."""
+    return "; ".join(one["message"] for one in _statuses(robot, name)[-1:])
+
+
+def _rates(robot: Robot) -> list[float]:
+    """The sensor-based hazard rates that were published."""
+    told = [json.loads(raw) for topic, raw in list(robot.heard) if topic.endswith("/phm_hazard_rate")]
+    return [one["system_sensor_based_value"] for one in told]
 
 
 def test_watch_ages_by_what_it_says_and_tells_its_health(broker: Broker, robot: Robot, tmp_path: Path) -> None:
@@ -153,13 +169,20 @@ def test_watch_ages_by_what_it_says_and_tells_its_health(broker: Broker, robot: 
         assert process.stderr is not None
         assert process.stderr.readline() == f"listening to MQTT (mqtt): {broker.address(ROOT)}, as asked\n"
         assert process.stdout is not None
-        rates = (json.loads(line)["subjects"][0]["sensor_based"]["hazard_rate"] for line in process.stdout)
+        robots = (json.loads(line)["subjects"][0] for line in process.stdout)
         over, speaking = threading.Event(), threading.Thread(target=lambda: _speak(robot, over))
         speaking.start()
-        assert pytest.approx(0.02, rel=1e-9) in rates
+        assert any(one["sensor_based"]["hazard_rate"] == pytest.approx(0.02, rel=1e-9) for one in robots)
         over.set()
         speaking.join()
         assert f"warning: silent: {LEFT}\n" in process.stderr  # at once, not at the end
+        silent = next(one for one in robots if one["silence"])  # as hot as it was, not as cool as it was designed
+        assert silent["sensor_based"]["hazard_rate"] == pytest.approx(0.02, rel=1e-9)
+        assert silent["silence"].endswith(f" of {LEFT}")
+        within(5, lambda: f"stale {LEFT}" in _said(robot, "AMR"))
+        count = len(_rates(robot))
+        within(5, lambda: len(_rates(robot)) > count + 1)
+        assert _rates(robot)[-1] == pytest.approx(0.02, rel=1e-6)
         within(5, lambda: any(told["level"] == 1 and LEFT in told["message"] for told in _listening(robot)))
         within(5, lambda: any(topic.endswith("/phm_hazard_rate") for topic, _ in list(robot.heard)))
         told = next(json.loads(raw) for topic, raw in robot.heard if topic.endswith("/phm_hazard_rate"))

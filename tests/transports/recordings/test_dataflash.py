@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import random
 import struct
+import time
 from pathlib import Path
 
 import pytest
@@ -187,6 +188,27 @@ def test_what_is_no_log_is_refused_in_one_line(tmp_path: Path, content: bytes, s
     with pytest.raises(SourceError, match=says) as raised:
         open_source(path)
     assert "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize("filling", [b"\xa3\x95", b"\xa3\x95\x80"], ids=repr)
+def test_megabytes_of_what_may_begin_messages_take_no_minutes(filling: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "flight.BIN"
+    path.write_bytes(flight() + filling * ((1 << 24) // len(filling)))
+    begun = time.process_time()
+    with open_source(path) as source:
+        next(iter(source.columns(["/BAT.Volt"], 0)))
+        assert source.notes["bytes of a log that belong to no message"] > 1 << 23
+    assert time.process_time() - begun < 8  # a quarter of a minute, if each place were tried by itself
+
+
+@pytest.mark.parametrize("text", ["abcd", "a,b"])
+def test_more_definitions_than_are_believed_are_refused(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "flight.BIN"
+    anew = b"".join(defines(140, name, letters, labels) for name, letters, labels in
+        [("X", "QB", "TimeUS,a"), ("X", "QBB", f"TimeUS,{text}")] * 3000)  # fmt: skip
+    path.write_bytes(flight() + anew)
+    with pytest.raises(SourceError, match=f"{path}: cannot be read: has messages of more than 4096 kinds or senders"):
+        open_source(path)
 
 
 def test_hundreds_of_damaged_logs_are_read_or_refused(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 import struct
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -54,6 +55,11 @@ def every_kind(seed: int = 1) -> list[bytes]:
         log.append(message(chance, kind).pack(by, force_mavlink1=kind.id < 256))
     by.signing.secret_key, by.signing.link_id, by.signing.timestamp, by.signing.sign_outgoing = b"k" * 32, 1, 1, True
     return [*log, dialect.MAVLink_attitude_message(1, 0.5, 0, 0, 0, 0, 0).pack(by)]
+
+
+def whole(messages: list[bytes]) -> bytes:
+    """A log of messages, one a second."""
+    return b"".join(struct.pack(">Q", T0 + number * 1_000_000) + one for number, one in enumerate(messages))
 
 
 def test_every_field_of_every_kind_is_as_pymavlink_decodes_it(tmp_path: Path) -> None:
@@ -133,6 +139,32 @@ def test_only_what_has_its_checksum_counts(tmp_path: Path) -> None:
         "bytes of a log that belong to no message": len(changed) + 18 + 1,
         "message of a kind that is not known: 16777215": 1,
     }
+
+
+@pytest.mark.parametrize(
+    "filling", [b"\xfd", bytes(8) + b"\xfe\xff\x00\x01\x01\x1e" + b"\xfe" * 257], ids=["FD", "long"]
+)
+def test_megabytes_of_what_may_begin_messages_take_no_minutes(filling: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "flight.tlog"
+    path.write_bytes(whole(every_kind()) + filling * ((1 << 24) // len(filling)))
+    begun = time.process_time()
+    with open_source(path) as source:
+        assert len(source.topics()) > 300
+        next(iter(source.columns(["/ATTITUDE.roll"], 0)))
+        assert source.notes["bytes of a log that belong to no message"] > 1 << 23
+    assert time.process_time() - begun < 10  # half a minute, if each place were tried by itself
+
+
+def test_more_kinds_of_messages_than_are_believed_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "flight.tlog"
+    by = sender()
+    messages = []
+    for number in range(5000):
+        by.srcSystem, by.srcComponent = 1 + number % 250, 1 + number // 250
+        messages.append(dialect.MAVLink_heartbeat_message(0, 0, 0, 0, 0, 0).pack(by))
+    path.write_bytes(whole(messages))
+    with pytest.raises(SourceError, match=f"{path}: cannot be read: has messages of more than 4096 kinds or senders"):
+        open_source(path)
 
 
 def test_hundreds_of_damaged_logs_are_read_or_refused(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

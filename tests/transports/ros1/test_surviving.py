@@ -6,7 +6,9 @@ import os
 import signal
 import threading
 
+from robophm.cli.topics import _document, _row
 from robophm.core.signal import SECOND
+from robophm.transports.live.listening import HeardTopic
 from robophm.transports.ros1 import Node, Publisher, Ros1
 from robophm.transports.ros1.xmlrpc import call
 
@@ -87,6 +89,18 @@ def test_a_publisher_that_is_killed_and_started_anew(ros: System, live: Ros1) ->
     assert heard.of("/count.temperature")[known : known + 5] == [1, 2, 3, 4, 5]
     assert live.notes["connected again to /count"] == 1
     assert live.notes["sequence gap on /count"] == 0
+
+
+def test_a_topic_of_a_killed_publisher_is_a_ghost_and_said_to_be_one(ros: System, live: Ros1) -> None:
+    """The master lists it for ever, as ``rostopic list`` does."""
+    first = ros.talk(COUNTING)
+    assert [one.trouble for one in live.topics() if one.topic == "/count"] == [""]
+    ros.stop(first)
+    assert "/count" in ros.run("/usr/bin/rostopic", "list")
+    (ghost,) = [one for one in live.topics() if one.topic == "/count"]
+    assert ghost.trouble.endswith("does not answer: killed, or not reached from here")
+    heard = HeardTopic(ghost, (), {}, {})
+    assert _row(heard)[3] == ghost.trouble == _document(heard)["trouble"]
 
 
 def test_a_topic_whose_type_changes(ros: System, live: Ros1) -> None:

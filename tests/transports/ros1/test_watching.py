@@ -5,11 +5,9 @@ from __future__ import annotations
 import json
 import os
 import signal
-import sqlite3
 import subprocess
 import sys
 import time
-from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -206,22 +204,26 @@ def test_no_master(tmp_path: Path, ros: System) -> None:
     assert not (tmp_path / "past.db").exists()
 
 
-def test_a_ledger_ahead_of_the_clock_is_refused(ros: System, robot: Robot, tmp_path: Path) -> None:
+def test_a_robot_whose_clock_is_behind_its_past_is_heard_and_that_is_said(
+    ros: System, robot: Robot, tmp_path: Path
+) -> None:
     ahead = time.time_ns() + 3600 * 10**9
     (tmp_path / "ahead.csv").write_text(f"time,/motor.temperature\n{ahead // 10**9},30\n{ahead // 10**9 + 100},30\n")
     with SqliteStore(tmp_path / "past.db") as store:
-        replay(robot, tmp_path / "ahead.csv", store=store)
-    with closing(sqlite3.connect(tmp_path / "past.db")) as base, base:
-        before = base.execute("SELECT state FROM ledger").fetchone()
-    base.close()
+        before = replay(robot, tmp_path / "ahead.csv", store=store).clocks["operating"]
     ros.talk(TALKER)
-    process = start(ros, tmp_path)
-    _, warned = process.communicate(timeout=60)
-    assert process.returncode != 0
-    assert "ahead of what is heard" in warned
-    with closing(sqlite3.connect(tmp_path / "past.db")) as base, base:
-        assert base.execute("SELECT state FROM ledger").fetchone() == before
-    base.close()
+    process = start(ros, tmp_path, "--journal", "run.journal", "--json", "--every", "1")
+    try:
+        within(30, lambda: spoken(tmp_path / "run.journal") > 40)
+    finally:
+        code, said, warned = ended(process, signal.SIGTERM)
+    assert code == 0, warned
+    assert "warning: the clock is before the end of the robot's past" in warned
+    last = json.loads(said[said.rindex("\n{") :])
+    assert last["subjects"][0]["flags"][0] == "clock not plausible"
+    assert last["clocks"]["operating"] > before
+    assert last["suspect_time"][0]["ahead"] == pytest.approx(-3700, abs=120)
+    assert not [note for note in last["notes"] if "late" in note]
 
 
 def test_publishing_that_is_ended_by_others_is_told_at_once(ros: System, tmp_path: Path) -> None:

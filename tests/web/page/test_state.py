@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import re
 import time
 
 import pytest
 
+from robophm.core.signal import SECOND
+from robophm.health.worn import moment
+
 from ..conftest import OTA, ROOT, SMALL, serving
+from ..test_service import works
 
 HORN = {"op": "put", "path": ["components", "horn"], "value": {"rate": "1 FPMH"}}
 
@@ -209,6 +214,17 @@ def test_silences_are_those_that_were_heard_and_lines_do_not_cross_a_night(tmp_p
             while share != pytest.approx(truth, abs=0.02) and time.monotonic() < until:
                 share = plot.locator("canvas").evaluate(SHADED)
             assert share == pytest.approx(truth, abs=0.02), window
+        # the fan was at 35 °C, ten above its reference, when its sensor died: it stays twice as fast as designed
+        died = f"rests on silence since {moment((on + 598) * SECOND)} of /fan.temperature"
+        hot = 8e-6 * 2 + 8e-6 * 2 ** ((30 + (hour - 2) % 7 - 25) / 10)
+        found = served.get("/api/health")
+        assert found["subjects"][0]["sensor_based"]["hazard_rate"] == pytest.approx(hot, rel=1e-12)
+        assert (found["state"], found["why"]) == ("stale", ["stale /fan.temperature", died])
+        assert died in served.client.get("/api/report").text
+        page = look.open("overview")
+        page.locator("main .state", has_text="STALE").first.wait_for()
+        page.locator(".trouble").get_by_text(died).wait_for()
+        page.locator(".figure", has_text="Hazard rate").get_by_text(f"{hot:.3e}".replace("e-0", "e-")).wait_for()
         assert look.wrong == []
 
 
@@ -268,11 +284,11 @@ def test_what_is_not_well_is_seen_in_the_tab(served, visit):
 def test_a_plot_is_taken_along_with_what_it_says(tmp_path, visit):
     """Its moments as dates; its picture with ground, title and legend."""
     design, table = tmp_path / "robot.yaml", tmp_path / "drive.csv"
-    design.write_text(NIGHT)
-    table.write_text(
-        "time,/motor.temperature,/fan.temperature\n"
-        + "".join(f"{1_700_000_000 + 2 * t},{30 + t % 7},\n" for t in range(600))
-    )
+    span = 599 * 2 / 3600  # hours, after which R is 1 − 1/7400 where 1 − 1/7900 was designed
+    motor = NIGHT.partition("  fan:")[0].replace("8 FPMH", f"{-math.log1p(-1 / 7900) / span} /h")
+    design.write_text(motor)
+    degrees = 25 + 10 * math.log2(math.log1p(-1 / 7400) / math.log1p(-1 / 7900))
+    table.write_text("time,/motor.temperature\n" + "".join(f"{1_700_000_000 + 2 * t},{degrees}\n" for t in range(600)))
     with serving(design, recordings=(table,)) as served:
         served.post("/api/monitoring/start", {"source": "recordings", "speed": 10_000})
         look = visit(served)
@@ -288,7 +304,7 @@ def test_a_plot_is_taken_along_with_what_it_says(tmp_path, visit):
         until, rows = time.monotonic() + 60, []
         while len(rows) <= 600 and time.monotonic() < until:  # the window of ten minutes may still be shown
             rows = taken("CSV").decode().splitlines()
-        assert rows[1].startswith("2023-11-14T22:13:20.000Z,30")
+        assert rows[1].startswith(f"2023-11-14T22:13:20.000Z,{degrees:.5}")
         picture = taken("SVG").decode()
         assert re.findall(r">(22:\d\d)</text>", picture) == ["22:15", "22:20", "22:25", "22:30"]
         png = taken("PNG")
@@ -298,4 +314,94 @@ def test_a_plot_is_taken_along_with_what_it_says(tmp_path, visit):
         )
         assert width == canvas[0]
         assert height > canvas[1]
+        # a plot that is zoomed in shows another window as any
+        plot = page.get_by_role("region", name="Sensors in degC")
+        box = plot.locator(".u-over").bounding_box()
+        page.mouse.move(box["x"] + 0.4 * box["width"], box["y"] + 20)
+        page.mouse.down()
+        page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 20, steps=3)
+        page.mouse.up()
+        plot.get_by_role("button", name="Whole range").wait_for()
+        zoomed = len(taken("CSV").splitlines())
+        assert zoomed == pytest.approx(120, abs=15)
+        page.get_by_label("Window").select_option("120")
+        plot.get_by_role("button", name="Whole range").wait_for(state="detached")
+        assert len(taken("CSV").splitlines()) == pytest.approx(61, abs=2)
+        # what differs reads so
+        card = look.open("overview").locator(".figure", has_text="Reliability")
+        card.get_by_text("99.986 %").wait_for()
+        assert "nominal99.987 %" in card.text_content()
+        assert look.wrong == []
+
+
+SPACE = """\
+schema_version: 1
+name: two
+components: {left: {rate: 8 FPMH}, right: {rate: 8 FPMH}}
+"""
+
+
+def test_the_space_bar_chooses_once_and_a_new_part_is_of_unknown_rate(served, visit):
+    """A box of the diagram, a row of the tree, a file; once more takes it back."""
+    with served(SPACE) as two:
+        look = visit(two)
+        page = look.open("design")
+        for kind, name in ((".react-flow__node", "left"), ("[role=treeitem]", "right")):
+            one = page.locator(kind, has_text=name).first
+            one.focus()
+            page.keyboard.press("Space")
+            page.locator("[role=treeitem][aria-selected=true]", has_text=name).wait_for()
+        assert page.locator("[role=treeitem][aria-selected=true]").count() == 2
+        page.locator(".react-flow__node", has_text="left").first.focus()
+        page.keyboard.press("Space")
+        page.locator("[role=treeitem][aria-selected=false]", has_text="left").wait_for()
+        # what is new has no rate that nobody has said
+        page.get_by_role("button", name="Add component").click()
+        page.get_by_role("dialog").wait_for()
+        page.keyboard.press("Escape")
+        assert two.get("/api/design")["document"]["components"]["New component"] == {"rate": "unknown"}
+        asked = []
+        page.on("filechooser", lambda chooser: asked.append(chooser))
+        look.open("new").locator("label.button").first.focus()
+        with page.expect_file_chooser():
+            page.keyboard.press("Space")
+        page.evaluate("() => new Promise((done) => requestAnimationFrame(() => setTimeout(done)))")
+        assert len(asked) == 1
+        assert look.wrong == []
+
+
+def test_every_setting_has_an_effect(served, visit):
+    """Of the robot: λ = 18e-6 /h (a lidar and a camera in parallel fail by and by), R = 1, a task of one hour."""
+    with served(SMALL) as courier:
+        look = visit(courier)
+        page = look.open("settings")
+
+        def says(label, value):
+            page.get_by_label(label, exact=True).fill(value)
+            page.get_by_label(label, exact=True).press("Enter")
+
+        says("Hazard rate at most", "1 FPMH")
+        says("Reliability at least", "0.99")
+        says("Median remaining life at least", "1000000 h")
+        says("Task completion at least", "0.99999")
+        says("State also the time until survival falls to", "0.9")
+        says("Silent for so long, it is off", "90 s")
+        page.get_by_label("Hazard rates in").select_option("FIT")
+        page.get_by_label("Colours").select_option("dark")
+        assert page.evaluate("document.documentElement.dataset.theme") == "dark"
+        found, until = {}, time.monotonic() + 60
+        while time.monotonic() < until and (len(found.get("why", ())) < 3 or found["survival"] is None):
+            found = courier.get("/api/health")
+        assert [" ".join(one.split()[:3]) for one in found["why"]] == [
+            "hazard rate 1.8e-05", "median remaining life", "probability of task",
+        ]  # fmt: skip
+        assert courier.service.prepared().robot.thresholds.reliability == 0.99
+        assert courier.service.prepared().robot.max_gap == 90 * SECOND
+        life = found["subjects"][0]["sensor_based"]["remaining_life"]
+        assert works(life["survived"]) == pytest.approx(0.9, rel=1e-6)
+        page = look.open("overview")
+        page.get_by_text("18,000 FIT").first.wait_for()
+        card = page.locator(".figure", has_text="Remaining life")
+        card.get_by_text("with 90 %").wait_for()
+        assert f"with 90 %{life['survived'] / 24:.3g} days" in card.text_content()
         assert look.wrong == []

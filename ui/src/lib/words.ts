@@ -42,13 +42,17 @@ export function marked(unknown: Unknown, which: Figure, text: string): string {
   return text.startsWith("0 ") || text === "for ever" ? "unknown" : `${MARKS[unknown[which]] ?? ""}${text}`;
 }
 
-export function percentText(p: Value, failure?: Value): string {
+/** Probabilities in percent; ``beside`` is the failure of another one that stands beside it: what differs must read so. */
+export function percentText(p: Value, failure?: Value, beside?: Value): string {
   if (p == null) return "–";
   const q = failure ?? 1 - p;
   if (q <= 0 || q > 0.1) return `${numberText(100 * p)} %`;
   if (q < 1e-12) return "> 99.9999999999 %";
-  const decimals = Math.max(2, Math.ceil(-2 - Math.log10(q)));
-  return `${(100 - 100 * q).toFixed(decimals).replace(/\.?0+$/, "")} %`;
+  const decimals = (one: number): number => Math.max(2, Math.ceil(-2 - Math.log10(one)));
+  const text = (one: number, more = 0): string => (100 - 100 * one).toFixed(Math.min(decimals(one) + more, 14)).replace(/\.?0+$/, "");
+  let more = 0;
+  if (beside != null && beside >= 1e-12 && beside <= 0.1) while (more < 2 && text(q, more) === text(beside, more)) more++;
+  return `${text(q, more)} %`;
 }
 
 /** "1 in 4,700"; "" where a percentage says more. */

@@ -59,7 +59,7 @@ export default function Design(): ReactNode {
   async function add(kind: "module" | "component", under: Part): Promise<void> {
     const host = under.kind === "component" ? findPart(design!, levelOf(under.path))! : under;
     const name = freeName(host, kind === "module" ? "New module" : "New component");
-    const value = kind === "module" ? {} : { rate: "1 FPMH" };
+    const value = kind === "module" ? {} : { rate: "unknown" }; // nobody has said it yet
     const path = host.path ? `${host.path}/${name}` : name;
     if (await edit([{ op: "put", path: [...host.place, `${kind}s`, name], value }], `Add ${name}`)) {
       setLevel(host.path);

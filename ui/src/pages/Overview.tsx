@@ -71,8 +71,8 @@ function Figures({ health }: { health: Health }): ReactNode {
       {left && <p className="small">{left.sentence}.</p>}
       {health.design_changed && <p className="quiet">The design has been changed since watching began: stop and start to use it. Its past goes on.</p>}
       <div className="cards">
-        <Figure tone={tone} name="Reliability R(t)" value={marked(left, "reliability", percentText(lived.reliability, lived.unreliability))} rows={[
-          ["nominal", marked(left, "reliability", percentText(nominal.reliability, nominal.unreliability))],
+        <Figure tone={tone} name="Reliability R(t)" value={marked(left, "reliability", percentText(lived.reliability, lived.unreliability, nominal.unreliability))} rows={[
+          ["nominal", marked(left, "reliability", percentText(nominal.reliability, nominal.unreliability, lived.unreliability))],
           ["failed since new", lived.unreliability === 0 ? "no exposure yet" : oddsText(lived.unreliability) || percentText(lived.unreliability, lived.reliability)],
         ]} />
         <Figure tone={tone} name="Hazard rate λ now" value={marked(left, "hazard_rate", rateText(lived.hazard_rate, unit))} rows={[
@@ -82,9 +82,10 @@ function Figures({ health }: { health: Health }): ReactNode {
         <Figure tone={tone} name="Remaining life, median" value={life ? marked(left, "ahead", durationText(life.median)) : "…"} rows={[
           ["nominal", nominal.remaining_life ? marked(left, "ahead", durationText(nominal.remaining_life.median)) : "…"],
           ["90 % between", life ? marked(left, "ahead", `${durationText(life.early)} and ${durationText(life.late)}`) : "…"],
+          ...(health.survival != null ? [[`with ${percentText(health.survival)}`, life ? marked(left, "ahead", durationText(life.survived)) : "…"] as [string, string]] : []),
         ]} />
         {health.task && (
-          <Figure tone={tone} name={`Task of ${numberText(health.task.distance)} m in ${durationText(health.task.duration)}, completed`} value={marked(left, "ahead", percentText(lived.completion, lived.completion_failure))} rows={[
+          <Figure tone={tone} name={`Task of ${numberText(health.task.distance)} m in ${durationText(health.task.duration)}, completed`} value={marked(left, "ahead", percentText(lived.completion, lived.completion_failure, nominal.completion_failure))} rows={[
             ["nominal", chanceWords({ probability: nominal.completion ?? null, failure: nominal.completion_failure ?? null }, left)],
             [left?.ahead === "at most" ? "fails at least" : "fails", oddsText(lived.completion_failure) || "–"],
           ]} />
@@ -264,8 +265,8 @@ function Modules({ subjects }: { subjects: Shapes["SubjectHealth"][] }): ReactNo
             </th>
             <td className="number">{marked(one.unknown, "hazard_rate", rateText(one.nominal.hazard_rate, unit))}</td>
             <td className="number">{marked(one.unknown, "hazard_rate", rateText(one.sensor_based.hazard_rate, unit))}</td>
-            <td className="number">{marked(one.unknown, "reliability", percentText(one.nominal.reliability, one.nominal.unreliability))}</td>
-            <td className="number">{marked(one.unknown, "reliability", percentText(one.sensor_based.reliability, one.sensor_based.unreliability))}</td>
+            <td className="number">{marked(one.unknown, "reliability", percentText(one.nominal.reliability, one.nominal.unreliability, one.sensor_based.unreliability))}</td>
+            <td className="number">{marked(one.unknown, "reliability", percentText(one.sensor_based.reliability, one.sensor_based.unreliability, one.nominal.unreliability))}</td>
             <td className="number">{one.sensor_based.remaining_life ? marked(one.unknown, "ahead", durationText(one.sensor_based.remaining_life.median)) : "–"}</td>
             <td>{one.flags.join(", ")}</td>
           </tr>

@@ -29,7 +29,15 @@ from robophm.health.worn import SeenWear
 from robophm.report.failures_to_come import FEW, horizon_text, notes, share_text
 from robophm.report.failures_to_come import shown as largest
 from robophm.report.wear import wear_lines
-from robophm.report.words import duration_text, more_text, number_text, percent_text, probability_text, rate_text
+from robophm.report.words import (
+    duration_text,
+    more_text,
+    number_text,
+    percent_text,
+    percent_texts,
+    probability_text,
+    rate_text,
+)
 
 if TYPE_CHECKING:
     from robophm.groups.monte_carlo import Estimate
@@ -132,8 +140,9 @@ def health_table(
             name + (" *" if one.flags else ""),
             marked(rate, rate_text(one.nominal.hazard_rate, unit)),
             marked(rate, rate_text(one.sensor_based.hazard_rate, unit)),
-            works + percent_text(one.nominal.reliability, one.nominal.unreliability),
-            works + percent_text(one.sensor_based.reliability, one.sensor_based.unreliability),
+            *(works + text for text in percent_texts(*(
+                (of.reliability, of.unreliability) for of in (one.nominal, one.sensor_based)
+            ))),
             marked(ahead, duration_text(life.median)) if life else "–",
             ahead + percent_text(task.probability, task.failure) if task else "–",
             course[one.path] if course is not None else "",

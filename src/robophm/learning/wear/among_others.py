@@ -15,7 +15,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import isotonic_regression
 
 from robophm.core.errors import DataError
 from robophm.learning.wear.averaging import DRAWS, Forecast, checked, first_passage, forecast
@@ -214,6 +213,8 @@ def _level(wear: Array, width: int) -> Array:
     after = np.arange(1, len(wear) + 1)
     first = np.maximum(after - width, 0)
     means = (sums[after] - sums[first]) / (after - first)
+    from scipy.optimize import isotonic_regression  # takes long to load
+
     result: Array = np.asarray(isotonic_regression(means).x, dtype=np.float64)
     return result
 

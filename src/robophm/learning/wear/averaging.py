@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import norm
+from scipy.special import ndtr, ndtri
 
 from robophm.core.errors import DataError
 from robophm.learning.wear.law_to_come import given_slowing_ends, off_by_a_factor
@@ -248,8 +248,8 @@ def of_age(age: float, draws: int) -> Array:
 
 def _goals(deviation: float, now: float, rng: np.random.Generator, draws: int) -> Array:
     """Thresholds as they may be, around 1, given that the part still works: above where its wear is now."""
-    below = float(norm.cdf(min((now - 1) / deviation, 0.0))) if deviation else 0.0
-    result: Array = 1 + deviation * norm.ppf(np.maximum(below + (1 - below) * rng.random(draws), 1e-15))
+    below = float(ndtr(min((now - 1) / deviation, 0.0))) if deviation else 0.0
+    result: Array = 1 + deviation * ndtri(np.maximum(below + (1 - below) * rng.random(draws), 1e-15))
     return result
 
 

@@ -14,8 +14,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq
-from scipy.signal import lfilter
 
 from robophm.core.errors import DataError
 
@@ -150,6 +148,8 @@ def false_alarm_rate(highest: Array, limit: float) -> float:
 
 def _limit_for(highest: Array, rate: float) -> float:
     least, most = 1e-3, max(float(highest.max()), 1.0)
+    from scipy.optimize import brentq  # takes long to load, and most robots set no limit anew
+
     if false_alarm_rate(highest, least) <= rate:  # k alone is enough
         return least
     return float(brentq(lambda h: false_alarm_rate(highest, h) - rate, least, most, xtol=1e-3))
@@ -212,6 +212,8 @@ class Autoregression:
 
 def correlation_length(coefficients: Array) -> float:
     """Return the variance of a long mean times its readings, over that of a reading; at least 1."""
+    from scipy.signal import lfilter  # takes longer to load than most commands to answer
+
     answer = lfilter([1.0], np.concatenate(([1.0], -coefficients)), np.eye(1, 4000)[0])
     return max(float(answer.sum() ** 2 / (answer @ answer)), 1.0)
 

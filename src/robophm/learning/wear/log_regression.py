@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy import special, stats
+from scipy.special import gammaln, log_ndtr, stdtr, stdtrit  # scipy.stats takes longer to load than most to answer
 
 Array = npt.NDArray[np.float64]
 
@@ -39,9 +39,9 @@ class LogStudent:
 
     def quantile(self, share: Array) -> Array:
         """Return quantiles of what remains, given that it has not ended yet; shape of ``share``."""
-        over = (1 - share) * stats.t.sf(self._start, self.degrees)
+        over = (1 - share) * stdtr(self.degrees, -self._start)
         with np.errstate(over="ignore"):
-            total = np.exp(self.centre + self.deviation * stats.t.isf(over, self.degrees))
+            total = np.exp(self.centre + self.deviation * -stdtrit(self.degrees, over))
         result: Array = np.maximum(total - self.passed, 0.0)
         return result
 
@@ -49,8 +49,10 @@ class LogStudent:
         """Log density of ln(remaining), given that it has not ended yet; shape of ``remaining``."""
         rest = np.maximum(np.asarray(remaining, dtype=float), 1e-300)
         total = rest + self.passed
-        found = stats.t.logpdf((np.log(total) - self.centre) / self.deviation, self.degrees) - math.log(self.deviation)
-        result: Array = found - stats.t.logsf(self._start, self.degrees) + np.log(rest / total)
+        off, n = (np.log(total) - self.centre) / self.deviation, self.degrees
+        found = gammaln((n + 1) / 2) - gammaln(n / 2) - 0.5 * math.log(n * math.pi) - math.log(self.deviation)
+        found = found - (n + 1) / 2 * np.log1p(off**2 / n)
+        result: Array = found - np.log(stdtr(n, -self._start)) + np.log(rest / total)
         return result
 
     @property
@@ -88,7 +90,7 @@ def lasting(
         before = variance
         deviation = math.sqrt(variance)
         start = (y - fitted) / deviation
-        ratio = np.exp(-0.5 * start**2 - 0.5 * math.log(2 * math.pi) - special.log_ndtr(-start))
+        ratio = np.exp(-0.5 * start**2 - 0.5 * math.log(2 * math.pi) - log_ndtr(-start))
         filled = np.where(ended, y, fitted + deviation * ratio)
         more = float(np.sum(np.where(ended, 0.0, variance * (1 + start * ratio - ratio**2))))
     at = np.concatenate([[1.0], own - middle])

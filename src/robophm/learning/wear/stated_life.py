@@ -11,7 +11,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import t as student
 
 from robophm.learning.wear.averaging import Forecast
 from robophm.life.distribution import LifeDistribution
@@ -26,7 +25,8 @@ BEYOND = 3.0
 
 _LOGS = np.arange(-12.0, 12.01, 0.25)  # of the factor: far enough for what is stated in another unit
 _FACTORS = np.exp(_LOGS)
-_SHARES = student.pdf(_LOGS / DOUBT, DEGREES) / student.pdf(_LOGS / DOUBT, DEGREES).sum()
+_STUDENT = (1 + (_LOGS / DOUBT) ** 2 / DEGREES) ** (-(DEGREES + 1) / 2)
+_SHARES = _STUDENT / _STUDENT.sum()
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import t as student
+from scipy.special import stdtr
 
 from robophm.learning.wear.increment_covariance import PRIOR, RATIOS, root_of_covariance, whitened
 
@@ -56,7 +56,7 @@ def bend_of_wiener(t: Array, y: Array) -> Bend:
         change[k] = float(changing @ seen) / alone
         rest = seen - change[k] * changing
         squares = max(float(rest @ rest), 1e-300)
-        p[k] = 2 * student.sf(abs(change[k]) * math.sqrt(alone * (n - 2) / squares), n - 2)
+        p[k] = 2 * stdtr(n - 2, -abs(change[k]) * math.sqrt(alone * (n - 2) / squares))
         log[k] = -float(np.log(root[1]).sum()) - 0.5 * math.log(steadily * alone) - 0.5 * (n - 2) * math.log(squares)
     share = PRIOR * np.exp(log - log.max())
     share /= share.sum()

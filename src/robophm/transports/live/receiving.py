@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import threading
-import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -15,12 +14,17 @@ from typing import Protocol
 from robophm.core.errors import SourceError
 from robophm.core.signal import CLOCK, SECOND, Sample, split_signal
 from robophm.transports.live.decoding import LARGE, Numbers, TopicDecoder
+from robophm.transports.live.machine_time import MachineTime
 from robophm.transports.signals.element_names import Names
 from robophm.transports.signals.incidents import Incidents
 from robophm.transports.signals.source import STAMP_LIMIT, Gap, LiveItem, LiveSource, WholeMessage
 
 CLOCK_TOPIC = "/clock"
 """The topic of time under use_sim_time (wiki.ros.org/Clock, design.ros2.org/articles/clock_and_time)."""
+
+AHEAD = SECOND
+"""Nanoseconds that a header stamp may be ahead of its receipt. Beyond it is another machine's clock, by which all that
+others say would be late."""
 
 QUEUE = 100_000
 """Samples that may wait to be taken; further ones are dropped and counted."""
@@ -55,18 +59,14 @@ class Count:
     last: int
 
 
-def _elapsed() -> int:
-    """Nanoseconds that no setting of the clock changes, those of sleep among them where the system tells."""
-    clock = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
-    return time.clock_gettime_ns(clock)
-
-
 class Receiver:
     """Gives messages their time; puts samples, those of the clock, and whole messages in order. All in one thread."""
 
     def __init__(
-        self, notes: Incidents, put: Callable[[Sequence[LiveItem]], None], whole: Collection[str], *, simulated: bool
-    ) -> None:
+        self, notes: Incidents, put: Callable[[Sequence[LiveItem]], None], whole: Collection[str], *,
+        simulated: bool, known_to: int | None = None,
+    ) -> None:  # fmt: skip
+        """``known_to``: the time to which the robot's past is known [ns], if it has one."""
         self.simulated = simulated
         """Whether receipt is the time of /clock."""
         self.whole = frozenset(whole)
@@ -80,9 +80,7 @@ class Receiver:
         self._told = 0
         """The latest clock sample."""
         self._latest = 0
-        self._began = time.time_ns() - _elapsed()
-        self._set = 0
-        """Nanoseconds by which this machine's clock was set since listening began, as far as it was said."""
+        self._machine = MachineTime(known_to, notes.add)
 
     def messages(self, reading: Decoder, raws: Sequence[bytes], before: int | None) -> int | None:
         """Messages of one publisher have come, one after the other.
@@ -111,7 +109,8 @@ class Receiver:
         if numbers.sequence is not None and before is not None and numbers.sequence > before + 1:
             self.missing(topic, "sequence gap", numbers.sequence - before - 1)
         if not (receipt := self._receipt()):
-            self._notes.add(f"before the first time of {CLOCK_TOPIC}, dropped {topic}")
+            clock = CLOCK_TOPIC if self.simulated else "the machine's clock"
+            self._notes.add(f"before the first time of {clock}, dropped {topic}")
             return numbers.sequence
         if receipt < self._latest:
             self._notes.add(f"receipt time goes backwards on {topic}")
@@ -122,7 +121,7 @@ class Receiver:
         count.messages += 1
         count.last = receipt
         at = numbers.stamp
-        if at == 0 or abs(at - receipt) > STAMP_LIMIT:
+        if at == 0 or not -STAMP_LIMIT <= at - receipt <= AHEAD:
             if numbers.values:
                 self._notes.add(f"receipt time used for {topic}")
             at = receipt
@@ -151,20 +150,11 @@ class Receiver:
         """Put a clock sample: silence is heard too."""
         if now := self._receipt():
             self._told = now
-            self._put([Sample(now, CLOCK, math.nan)])
+            self._put([Sample(now, CLOCK, math.nan if self.simulated else self._machine.ahead)])
 
     def _receipt(self) -> int:
         """The time that what comes now gets; 0 before there is any."""
-        return self._now if self.simulated else self._steady()
-
-    def _steady(self) -> int:
-        """The machine's time when listening began plus what has passed since, however its clock is set meanwhile."""
-        now = self._began + _elapsed()
-        off = time.time_ns() - now
-        if abs(off - self._set) > SECOND:
-            self._notes.add(f"the clock was set {'forward' if off > self._set else 'back'}; time went on as it was")
-            self._set = off
-        return now
+        return self._now if self.simulated else self._machine.now()
 
     def _set_clock(self, reading: TopicDecoder, raw: bytes) -> None:
         seconds, nanoseconds = _clock_of(reading.type.decode(raw))

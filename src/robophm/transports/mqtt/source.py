@@ -106,7 +106,7 @@ class Mqtt(ListeningSource):
         if self._cut_off:
             self._notes.add(self._cut_off)
         queue = Queue(self._notes, self._queue)
-        hearing = Receiver(self._notes, queue.put, topics, simulated=False)
+        hearing = Receiver(self._notes, queue.put, topics, simulated=False, known_to=self.known_to)
         subscription = Subscription(wanted, hearing, queue.hand_on, self._tick)
         run = Run(queue, hearing, subscription)
         self._begin(run)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import mmap
 from abc import abstractmethod
+from bisect import bisect_right
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
@@ -20,6 +21,12 @@ from robophm.transports.signals.source import SignalColumns, SignalSource, Topic
 
 LARGEST = 1 << 30
 """Bytes of a log that is read: where its messages lie is in memory meanwhile."""
+
+MOST_TOPICS = 4096
+"""Topics of a log, and kinds of its messages, beyond which it is not believed to be one."""
+
+_BLOCK = 1 << 16
+"""Bytes of a damaged stretch that are looked through at once."""
 
 DAMAGED = "damaged, and read as far as it is whole"
 """A note on a log of which something is lost."""
@@ -109,6 +116,36 @@ class LoggedRecording(SignalSource):
                 with np.errstate(invalid="ignore"):  # of a signalling NaN
                     found[signal] = SignalColumns(times[order], times[order], fields[field]()[order].astype(float))
         return found
+
+
+class Beginnings:
+    """The places in a log where a message may begin, looked for in many bytes at once: for where some are damaged."""
+
+    def __init__(self, size: int, within: Callable[[int, int], NDArray[np.int64]]) -> None:
+        self._size = size
+        self._within = within
+        self._end = 0
+        self._places: list[int] = []
+
+    def after(self, at: int) -> int:
+        """The first place behind this one, which never lies before that of the last call; the log's end if none is."""
+        while (number := bisect_right(self._places, at)) == len(self._places):
+            begin = max(self._end, at + 1)
+            if begin >= self._size:
+                return self._size
+            self._end = min(begin + _BLOCK, self._size)
+            self._places = self._within(begin, self._end).tolist()
+        return self._places[number]
+
+    def forget(self) -> None:
+        """Have the places behind the next one looked for anew, since what may begin a message has changed."""
+        self._places, self._end = [], 0
+
+
+def check_topics(count: int) -> None:
+    """Raise ValueError where a log has more topics, or kinds of messages, than are believed."""
+    if count > MOST_TOPICS:
+        raise ValueError(f"has messages of more than {MOST_TOPICS} kinds or senders")
 
 
 def mapped(path: Path) -> mmap.mmap:

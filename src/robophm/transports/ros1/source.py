@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 
@@ -80,18 +80,33 @@ class Ros1(ListeningSource):
         published = published_topics(self._master, CALLER)
         publishers, _ = system_state(self._master, CALLER)
         counts = self._run.hearing.counts if self._run else {}
+        nodes = sorted({node for topic, _ in published for node in publishers.get(topic, ())})
         with ThreadPoolExecutor(CONNECTORS) as pool:
+            where = dict(zip(nodes, pool.map(self._where, nodes), strict=True))
             return list(
                 pool.map(
-                    lambda each: self._topic(each[0], each[1], publishers.get(each[0], []), counts.get(each[0])),
+                    lambda each: self._topic(
+                        each[0], each[1], {node: where[node] for node in publishers.get(each[0], ())},
+                        counts.get(each[0]),
+                    ),
                     published,
                 )
-            )
+            )  # fmt: skip
 
-    def _topic(self, topic: str, type_: str, nodes: list[str], count: Count | None) -> TopicInfo:
-        for node in nodes if (topic, type_) not in self._types else []:
+    def _where(self, node: str) -> str:
+        """The address of a node that answers; of one that was killed the master tells for ever, and that is empty."""
+        with suppress(PeerError):
+            address: str = call(self._master, "lookupNode", CALLER, node)
+            call(address, "getPid", CALLER)
+            return address
+        return ""
+
+    def _topic(self, topic: str, type_: str, nodes: Mapping[str, str], count: Count | None) -> TopicInfo:
+        there = [address for address in nodes.values() if address]
+        trouble = "" if there or not nodes else f"{', '.join(nodes)} does not answer: killed, or not reached from here"
+        for address in there if (topic, type_) not in self._types else []:
             with suppress(PeerError):
-                connection, header = connect(CALLER, topic, call(self._master, "lookupNode", CALLER, node))
+                connection, header = connect(CALLER, topic, address)
                 connection.close()
                 self._types[topic, type_] = type_of(topic, header, Incidents())
                 break
@@ -99,8 +114,8 @@ class Ros1(ListeningSource):
         fields = tuple(numeric_fields(known.definitions, known.name)) if known else ()
         name = "" if type_ == "*" else ros2_name(type_)
         if count is None:
-            return TopicInfo(topic, name, 0, None, None, fields)
-        return TopicInfo(topic, name, count.messages, count.first, count.last, fields)
+            return TopicInfo(topic, name, 0, None, None, fields, trouble)
+        return TopicInfo(topic, name, count.messages, count.first, count.last, fields, trouble)
 
     def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
         """Yield the samples of these signals in order of arrival, clock samples, and the messages on these topics.
@@ -123,7 +138,7 @@ class Ros1(ListeningSource):
             simulated = node.ask("getParam", "/use_sim_time") is True
         except PeerError:  # it is not set
             simulated = False
-        hearing = Receiver(self.notes, queue.put, topics, simulated=simulated)
+        hearing = Receiver(self.notes, queue.put, topics, simulated=simulated, known_to=self.known_to)
         listening = Subscription(node, wanted, hearing)
         run = Run(queue, hearing, listening, node)
         self._begin(run)

@@ -111,7 +111,7 @@ class Ros2(ListeningSource):
         simulated = any(offer.topic == f"rt{CLOCK_TOPIC}" for offer in self._offers())
         self.notes = Incidents()
         queue = Queue(self.notes, self._queue)
-        hearing = Receiver(self.notes, queue.put, topics, simulated=simulated)
+        hearing = Receiver(self.notes, queue.put, topics, simulated=simulated, known_to=self.known_to)
         node = self._node(domain=self._graph.place.domain, notes=self.notes)
         listening = Subscription(node, wanted, hearing, self._tick)
         listening.served = queue.hand_on

@@ -29,6 +29,8 @@ class TopicInfo:
     last: int | None
     fields: tuple[str, ...]
     """Paths of the numeric fields, ``pose.x``; of an array, ``effort[]``, a signal names one element."""
+    trouble: str = ""
+    """Why nothing of it can be heard now, as far as the source knows."""
 
     @property
     def rate(self) -> float | None:
@@ -131,6 +133,10 @@ class LiveSource(SignalSource):
     """A source that is heard while it happens: endless until ``close``, which may come from any thread."""
 
     ends = False
+    known_to: int | None = None
+    """Time to which the robot's past is known [ns], to be set before ``listen``: a clock that is before it is wrong."""
+    recorded: bool = False
+    """Whether what is heard was recorded before: it keeps its own time, however late it comes."""
     announced: ClassVar[bool] = True
     """Whether topics are announced before a message comes; otherwise only what was heard is known."""
 

@@ -65,13 +65,16 @@ def get_design(service: Served) -> DesignState:
 def edit_design(edits: Edits, service: Served) -> DesignState:
     """Edit the design: all of the operations, or none."""
 
-    lived = service.lived()
-
     def change(document: Any) -> None:
+        lived = service.lived()
         for operation in edits.operations:
             apply(document, operation, lived)
 
-    draft = service.workspace.edit(edits.revision, change, edits.what or edits.operations[0].op)
+    scalar = None
+    match edits.operations:
+        case [Put(path=path, value=value)] if path[-1:] not in (["name"], ["identity"]):
+            scalar = path, value
+    draft = service.workspace.edit(edits.revision, change, edits.what or edits.operations[0].op, scalar)
     return service.design_state(draft)
 
 

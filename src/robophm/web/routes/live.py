@@ -169,6 +169,8 @@ def freshness(robot: Robot, service: Service) -> list[Freshness]:
     found = []
     for signal, unit in robot.signals.items():
         time, value = heard.get(signal, (None, None))
+        if time is None and run and (last := run.heard.get(signal)) is not None:
+            time = last / SECOND
         age = max(newest - time, 0.0) if time is not None and newest is not None else None
         most = robot.max_ages.get(signal)
         stale = run is not None and (age is None or signal in silent)

@@ -12,7 +12,7 @@ import zstandard
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
 from robophm.transports.recordings.columns import read_columns
-from robophm.transports.recordings.columns.mcap import CHUNK, CHUNK_INDEX, MESSAGE_INDEX
+from robophm.transports.recordings.columns.mcap_records import CHUNK, CHUNK_INDEX, MESSAGE_INDEX
 
 from ..made import T0, TEMPERATURE, rewrite_mcap, temperature
 from .damage import SIGNAL, Write, attempt, changed, in_chunks, records, rows, traced, values

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from robophm.core.errors import SourceError
-from robophm.transports.recordings.columns.mcap import CHUNK
+from robophm.transports.recordings.columns.mcap_records import CHUNK
 
 from ...conftest import SIGNALS
 from ..made import T0

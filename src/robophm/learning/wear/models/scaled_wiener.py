@@ -12,8 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import gammaln
-from scipy.stats import t as student
+from scipy.special import gammaln, stdtr
 
 from robophm.learning.wear.models.candidates import (
     FAR,
@@ -156,7 +155,7 @@ class ScaledWiener:
         if n < FIRST + 5:
             return np.ones(self.z.shape[1])
         off, variance, degrees = self._ahead(origin_of_surprise(n), np.array([n - 1]))
-        result: Array = 2 * student.sf(np.abs(off[0]) / np.sqrt(variance[0]), degrees)
+        result: Array = 2 * stdtr(degrees, -np.abs(off[0]) / np.sqrt(variance[0]))
         return result
 
     def noise(self) -> Array:

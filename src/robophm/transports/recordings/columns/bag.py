@@ -18,8 +18,14 @@ from numpy.typing import NDArray
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
 from robophm.transports.recordings.columns.bag_records import (
+    CHUNK,
     CHUNK_INFO,
+    CONNECTION,
+    HEADER,
+    INDEX,
+    MESSAGE,
     Record,
+    belongs,
     chunk_info,
     connections_of,
     fields_of_header,
@@ -36,7 +42,6 @@ from robophm.transports.recordings.columns.pieces import (
 )
 
 MAGIC = b"#ROSBAG V2.0\n"
-MESSAGE, HEADER, INDEX, CHUNK, CONNECTION = 2, 3, 4, 5, 7
 
 _HEADER_SPACE = 4096
 """Bytes of the first record, whatever is in it: it is written anew when the recording ends."""
@@ -67,6 +72,8 @@ class BagFile(ChunkedFile):
         """The number of messages of each connection, as the chunk's info counts them, by the offset of the chunk."""
         self._ends: dict[int, Mapping[int, int]] = {}
         """The same by where its content ends, once that is known."""
+        self._odd: Counter[int] = Counter()
+        """Records that were found in a chunk and do not belong there, by operation."""
         self._header = Record(HEADER, {}, 0, 0)
         with suppress(DamageError):  # said when the index is looked for
             self._header = record_at(self.content, len(MAGIC), MOST_TIME)
@@ -158,15 +165,26 @@ class BagFile(ChunkedFile):
             raise DamageError("an offset that is no message's")
         return Messages(connection, content, times, begin, ends)
 
+    def _defines(self, content: Bytes, begin: int, end: int) -> bool:
+        """Return whether what lies here in a chunk is connections alone; raises DamageError."""
+        while begin < end:
+            record = record_at(content, begin, end)
+            if record.operation != CONNECTION or not belongs(record):
+                return False
+            begin = record.end
+        return begin == end
+
     def _record_end(self, content: Bytes, offset: int) -> int:
         """Return where the record ends that begins at this place of a chunk; raises DamageError."""
         return record_at(content, offset, MOST_TIME).end
 
     def scanned(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
         """Return the messages found from record to record."""
+        self._odd = Counter()
         found, behind = self._scan(content)
         if behind < len(content):
             self.lost(f"{len(content) - behind} bytes of the chunk", chunk.offset)
+        self.note_odd(found["connection"], self._defined, self._odd, chunk.offset)
         return [
             Messages(id_, content, some["time"].copy(), some["start"].copy(), some["end"].copy())
             for id_ in np.unique(found["connection"]).tolist()
@@ -185,8 +203,10 @@ class BagFile(ChunkedFile):
                     connection, time = record.number(b"conn"), record.time(b"time")
                     for column, number in zip(found, (connection, time, record.start, record.end), strict=True):
                         column.append(number)
-                elif record.operation == CONNECTION:
+                elif record.operation == CONNECTION and belongs(record):
                     self._define(record, content)
+                else:
+                    self._odd[record.operation] += 1
             except DamageError:
                 break
             position = record.end
@@ -308,7 +328,9 @@ class BagFile(ChunkedFile):
                     self._cut(position)
                     break
                 continue
-            if record.operation == CHUNK:
+            if not belongs(record) or (record.operation == HEADER and position > len(MAGIC)):
+                self.lost(f"a record of kind {record.operation}, which does not belong there,", position)
+            elif record.operation == CHUNK:
                 try:
                     self.chunks.append(self._timed(self.chunk_at(position)))
                 except DamageError:
@@ -354,8 +376,9 @@ class BagFile(ChunkedFile):
             except DamageError:
                 return chunk._replace(indices=None)  # said when its messages are read
             times += [int(found["time"].min()), int(found["time"].max())] if len(found) else []
-        indices = dict.fromkeys(connections, chunk.end) if connections else None
-        return chunk._replace(first=min(times, default=0), last=max(times, default=MOST_TIME), indices=indices)
+        chunk = chunk._replace(first=min(times, default=0), last=max(times, default=MOST_TIME))
+        indexed = chunk._replace(indices=dict.fromkeys(connections, chunk.end))
+        return indexed if connections and self._covered(indexed) else chunk._replace(indices=None)
 
     def _cut(self, position: int) -> None:
         """The record at the end is not whole: of a chunk the messages before its end are still there."""

@@ -16,7 +16,16 @@ from robophm.transports.recordings.columns.pieces import DamageError
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection
 
-CHUNK_INFO = 6
+MESSAGE, HEADER, INDEX, CHUNK, CHUNK_INFO, CONNECTION = range(2, 8)
+
+_OUTSIDE = {
+    HEADER: {b"index_pos", b"conn_count", b"chunk_count"},
+    INDEX: {b"ver", b"conn", b"count"},
+    CHUNK: {b"compression", b"size"},
+    CHUNK_INFO: {b"ver", b"chunk_pos", b"start_time", b"end_time", b"count"},
+    CONNECTION: {b"conn", b"topic"},
+}
+"""The fields of each record that may lie outside chunks."""
 
 LONGEST_HEADER = 1 << 16
 """Bytes of the fields of a record, beyond which their length is taken to be a lie."""
@@ -64,6 +73,11 @@ def record_at(content: Bytes, position: int, size: int) -> Record:
     if len(operation) != 1:
         raise DamageError(f"a record without operation at byte {position}")
     return Record(operation[0], fields, behind + 4, end)
+
+
+def belongs(record: Record) -> bool:
+    """Whether a record has the fields of one that may lie outside chunks, and was not another before it was damaged."""
+    return _OUTSIDE.get(record.operation, {b""}) <= record.fields.keys()
 
 
 def chunk_info(infos: memoryview, at: int) -> tuple[int, int, int, dict[int, int], int]:

@@ -372,15 +372,40 @@ class ChunkedFile(MappedFile):
         """The messages of the chunk, by its index; one by one where that does not point at messages."""
         if chunk.indices is not None:
             try:
-                return [
-                    self.located(content, connection, np.frombuffer(index, self.ENTRY), 0, len(content))
-                    for connection, index in self.entries(chunk, wanted).items()
-                ]
+                return self._indexed_messages(chunk, content, wanted)
             except UnknownError:
                 pass
             except DamageError as error:
                 self.notes[f"{self.path.name}: {error} in the index of the chunk at byte {chunk.offset}"] += 1
         return self.scanned(chunk, content, wanted)
+
+    def _indexed_messages(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
+        """The messages of a chunk that its index points at; raises DamageError where one is none."""
+        return [
+            self.located(content, connection, np.frombuffer(index, self.ENTRY), 0, len(content))
+            for connection, index in self.entries(chunk, wanted).items()
+        ]
+
+    def _covered(self, chunk: Chunk) -> bool:
+        """Whether a chunk's index speaks of all messages in it: but definitions are between those.
+
+        Where nothing else says of which connections it has messages, an index that is another's would hide them.
+        """
+        wanted = chunk.indices or ()
+        with suppress(DamageError):  # said when its messages are read
+            content = self.unpacked(chunk, sparse=True)
+            offsets = [np.frombuffer(one, self.ENTRY)["offset"] for one in self.entries(chunk, wanted).values()]
+            behind = [messages.ends for messages in self._indexed_messages(chunk, content, wanted)]
+            begins = np.sort(np.concatenate([[0], *behind]))
+            ends = np.sort(np.concatenate([*offsets, [len(content)]]).astype(np.int64))
+            gaps = np.flatnonzero(begins != ends)
+            between = zip(begins[gaps].tolist(), ends[gaps].tolist(), strict=True)
+            return all(self._defines(content, begin, end) for begin, end in between)
+        return False
+
+    @abstractmethod
+    def _defines(self, content: Bytes, begin: int, end: int) -> bool:
+        """Whether what lies here in a chunk is definitions alone; raises DamageError."""
 
     @abstractmethod
     def entries(self, chunk: Chunk, wanted: Collection[int]) -> dict[int, memoryview]:

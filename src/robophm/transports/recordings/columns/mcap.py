@@ -22,10 +22,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError
+from robophm.transports.recordings.columns import mcap_records as kinds
 from robophm.transports.recordings.columns.checksum import crc32
-from robophm.transports.recordings.columns.chunk import Chunk, UnknownError, distinct
+from robophm.transports.recordings.columns.chunk import Chunk, UnknownError
 from robophm.transports.recordings.columns.chunked import ChunkedFile
-from robophm.transports.recordings.columns.field_extraction import Bytes, Ints, everywhere
+from robophm.transports.recordings.columns.field_extraction import Bytes, Ints
 from robophm.transports.recordings.columns.mcap_definitions import (
     CHANNEL,
     SCHEMA,
@@ -36,7 +37,8 @@ from robophm.transports.recordings.columns.mcap_definitions import (
     define,
     definitions_of,
 )
-from robophm.transports.recordings.columns.mcap_messages import FOUND, HEAD, by_channel, table_of
+from robophm.transports.recordings.columns.mcap_messages import FOUND, by_channel, defines, messages_at, table_of
+from robophm.transports.recordings.columns.mcap_records import MAGIC, belongs, chunk_places
 from robophm.transports.recordings.columns.pieces import (
     BATCH,
     MOST_TIME,
@@ -47,16 +49,9 @@ from robophm.transports.recordings.columns.pieces import (
     tell,
 )
 
-MAGIC = b"\x89MCAP0\r\n"
-FOOTER, MESSAGE, CHUNK, MESSAGE_INDEX, CHUNK_INDEX, STATISTICS, DATA_END = 2, 5, 6, 7, 8, 11, 15
-
-_SUMMARY = (CHUNK_INDEX, 10, STATISTICS, 13, 14)
-"""Opcodes in a summary besides schemas and channels."""
-
 _INDEX_HEAD = struct.Struct("<BQHI").unpack_from
 _CHUNK_INDEX = struct.Struct("<QQQQI").unpack_from
 _INDEX = np.dtype([("time", "<u8"), ("offset", "<u8")])
-_FOOTER_SIZE = 9 + 20 + len(MAGIC)
 
 
 class _NotInSummaryError(DamageError):
@@ -112,6 +107,8 @@ class McapFile(ChunkedFile):
         self._shared: Definitions | None = None
         """Definitions that files beside may have too."""
         self.counts: dict[int, int] = {}
+        self._odd: Counter[int] = Counter()
+        """Records that were found and do not belong where they lie, by opcode."""
         self._repeated: list[tuple[int, int, int]] = []
         """Schemas and channels behind the data: opcode, begin and end."""
         self._loose = np.empty(0, FOUND)
@@ -162,7 +159,7 @@ class McapFile(ChunkedFile):
             if not 0 <= offset <= len(content) - 15:
                 raise DamageError("damage")
             opcode, length, channel, size = _INDEX_HEAD(content, offset)
-            if opcode != MESSAGE_INDEX or channel != connection or size + 6 > length or size % 16:
+            if opcode != kinds.MESSAGE_INDEX or channel != connection or size + 6 > length or size % 16:
                 raise DamageError("damage")
             if size + 6 < length:  # a record may go on with what this version does not know
                 raise UnknownError("a record longer than is known")
@@ -213,22 +210,11 @@ class McapFile(ChunkedFile):
         self, content: Bytes, connection: int, index: NDArray[Any], begins: Ints | int, limits: Ints | int
     ) -> Messages:
         """The messages at these offsets of chunks."""
-        starts = index["offset"].astype(np.int64)
-        if len(starts) and (int(starts.min()) < 0 or int(starts.max()) > len(content)):
-            raise DamageError("an offset beyond the end")
-        starts += begins
-        if not distinct(starts, len(content) // HEAD.itemsize):
-            raise DamageError("an offset that is there twice")
-        room = limits - 9 - starts
-        if len(starts) and int(room.min()) + 9 < HEAD.itemsize:
-            raise DamageError("an offset beyond the end")
-        heads = everywhere(content, f"V{HEAD.itemsize}")[starts].view(HEAD)
-        length = heads["length"]
-        fits = (heads["opcode"] == MESSAGE) & (heads["channel"] == connection) & (heads["time"] == index["time"])
-        if not (fits & (length >= 22) & (length <= room.astype(np.uint64)) & (heads["time"] <= MOST_TIME)).all():
-            raise DamageError("an offset that is no message's")
-        ends = starts + 9 + length.astype(np.int64)
-        return Messages(connection, content, index["time"].astype(np.int64), starts + HEAD.itemsize, ends)
+        return messages_at(content, connection, index, begins, limits)
+
+    def _defines(self, content: Bytes, begin: int, end: int) -> bool:
+        """Return whether what lies here in a chunk is schemas and channels alone."""
+        return defines(content, begin, end)
 
     def _record_end(self, content: Bytes, offset: int) -> int:
         """Return where the record ends that begins at this place of a chunk; raises DamageError."""
@@ -238,15 +224,23 @@ class McapFile(ChunkedFile):
 
     def scanned(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
         """Return the messages found from record to record."""
+        self._odd = Counter()
         found, behind = self._scan(content, 0)
         if behind < len(content):
             self.lost(f"{len(content) - behind} bytes of the chunk", chunk.offset)
+        self._note_odd(found, chunk.offset)
         return by_channel(found, content, wanted)
+
+    def _note_odd(self, found: NDArray[Any], offset: int) -> None:
+        for opcode in [one for one in self._odd if one >= kinds.PRIVATE]:
+            self.notes[f"{self.path.name}: private records of kind {opcode} passed over"] += self._odd.pop(opcode)
+        self.note_odd(found["channel"], self._channels, self._odd, offset)
 
     def _scan(self, content: Bytes, position: int, places: Sequence[int] = ()) -> tuple[NDArray[Any], int]:
         """All messages, and where whole records end; schemas and channels are kept, of the file itself chunks too.
 
-        A record that would reach beyond one of the ``places`` where chunks lie has a length that lies.
+        A record that would reach beyond one of the ``places`` where chunks lie has a length that lies. What a record is
+        that does not belong where it lies is not known: a message maybe.
         """
         whole_file = content is self.content
         repeated = False
@@ -255,13 +249,13 @@ class McapFile(ChunkedFile):
         while position + 9 <= size:
             opcode, length = struct.unpack_from("<BQ", view, position)
             end = position + 9 + length
-            if end > size or opcode == 0 or (opcode == MESSAGE and length < 22):
+            if end > size or opcode == 0 or (opcode == kinds.MESSAGE and length < 22):
                 break
             within = places[bisect_right(places, position) : bisect_left(places, end)]
             beyond = next(filter(self.chunk_lies_at, within), end)
-            if beyond < end and opcode != CHUNK:  # which says itself how much it holds
+            if beyond < end and opcode != kinds.CHUNK:  # which says itself how much it holds
                 break
-            if opcode == MESSAGE:
+            if opcode == kinds.MESSAGE:
                 channel, _, time = struct.unpack_from("<HIQ", view, position + 9)
                 for column, number in zip(found, (channel, min(time, MOST_TIME), position + 31, end), strict=True):
                     column.append(number)
@@ -270,17 +264,19 @@ class McapFile(ChunkedFile):
                     self._repeated.append((opcode, position + 9, end))
                 else:
                     self._define(opcode, view[position + 9 : end])
-            elif whole_file and opcode == DATA_END:
+            elif whole_file and opcode == kinds.DATA_END:
                 repeated = True
-            elif whole_file and opcode == CHUNK:
+            elif whole_file and opcode == kinds.CHUNK:
                 try:
                     self.chunks.append(self.chunk_at(position))
                 except DamageError:
                     self.lost("a damaged chunk", position)
-            elif whole_file and opcode == MESSAGE_INDEX and self.chunks and length >= 2:
+            elif whole_file and opcode == kinds.MESSAGE_INDEX and self.chunks and length >= 2:
                 self._index_behind(int(struct.unpack_from("<H", view, position + 9)[0]), position)
-            elif whole_file and opcode == FOOTER and end == size - len(MAGIC):  # elsewhere it is a damaged record
+            elif whole_file and opcode == kinds.FOOTER and end == size - len(MAGIC):  # elsewhere it is a damaged record
                 return table_of(found), size
+            elif not (whole_file and belongs(opcode, view[position + 9 : end], behind=repeated)):
+                self._odd[opcode] += 1
             position = beyond
         return table_of(found), position
 
@@ -315,22 +311,22 @@ class McapFile(ChunkedFile):
         compression = self.between(offset + 41, offset + 41 + min(name, 16)).decode("ascii", "replace")
         start = offset + 49 + name
         (stored,) = struct.unpack("<Q", self.between(start - 8, start))
-        if opcode != CHUNK or start + stored > end or end > self.size:
+        if opcode != kinds.CHUNK or start + stored > end or end > self.size:
             raise DamageError(f"no chunk at byte {offset}")
         if first > last or first >= MOST_TIME:  # no time at all, which would hide it
             first, last = 0, MOST_TIME
         return Chunk(first, min(last, MOST_TIME), offset, start, start + stored, compression, size, checksum, {})
 
     def _read_summary(self) -> None:
-        start = self.size - _FOOTER_SIZE
+        start = self.size - kinds.FOOTER_SIZE
         opcode, length, summary, _, checksum = struct.unpack("<BQQQI", self.between(start, self.size - len(MAGIC)))
-        if self.content[-len(MAGIC) :].tobytes() != MAGIC or opcode != FOOTER or length != 20:
+        if self.content[-len(MAGIC) :].tobytes() != MAGIC or opcode != kinds.FOOTER or length != 20:
             raise DamageError("no footer")
         if not summary:
             raise _NotInSummaryError("no summary")
         if summary > start:
             raise DamageError("no summary")
-        if self.content[summary] not in (SCHEMA, CHANNEL, *_SUMMARY):  # before all up to the end is gone through
+        if self.content[summary] not in kinds.SUMMARY:  # before all up to the end is gone through
             raise DamageError("no summary")
         if checksum and crc32(self.view(summary, start + 25)) != checksum:
             raise DamageError("summary does not have its checksum")
@@ -344,9 +340,9 @@ class McapFile(ChunkedFile):
             content = records[position + 9 : position + 9 + length]
             if opcode in (SCHEMA, CHANNEL):
                 self._define(opcode, content)
-            elif opcode == CHUNK_INDEX:
+            elif opcode == kinds.CHUNK_INDEX:
                 self.chunks.append(self._indexed_chunk(content))
-            elif opcode == STATISTICS:
+            elif opcode == kinds.STATISTICS:
                 counted, size = struct.unpack_from("<Q34xI", content)
                 self.counts = dict(struct.iter_unpack("<HQ", content[46 : 46 + size]))
             position += 9 + length
@@ -382,7 +378,7 @@ class McapFile(ChunkedFile):
 
     def _look_through(self) -> None:
         """Find chunks and messages from record to record; what is defined in chunks only is looked for there."""
-        places = sorted(self._places())
+        places = sorted(chunk_places(self.content.data))
         found, behind = self._scan(self.content, len(MAGIC), places)
         parts = [found]
         following = iter(places)
@@ -397,6 +393,7 @@ class McapFile(ChunkedFile):
         if self.chunks:  # of its index maybe not all is there
             self.chunks[-1] = self.chunks[-1]._replace(indices=None)
         self._loose = np.concatenate(parts)
+        odd, self._odd = self._odd, Counter()
         for number, chunk in enumerate(self.chunks):
             if not chunk.indices:
                 self.chunks[number] = chunk._replace(indices=None)
@@ -405,29 +402,16 @@ class McapFile(ChunkedFile):
                     self._scan(self.unpacked(chunk), 0)
         for opcode, start, end in self._repeated:  # what the summary says, where there was no better word
             self._define(opcode, self.content.data[start:end])
-        for number, chunk in enumerate(self.chunks):  # an index of no channel is one of another that it hides
-            if chunk.indices and chunk.indices.keys() - self._channels:
+        self._odd = odd
+        self._note_odd(self._loose, len(MAGIC))
+        for number, chunk in enumerate(self.chunks):
+            if chunk.indices and not self._covered(chunk):
                 self.chunks[number] = chunk._replace(indices=None)
         sound = {topic for schema, topic, _ in self._channels.values() if schema in self._schemas}
         for id_, (schema, topic, _) in [*self._channels.items()]:
             if topic in sound and schema not in self._schemas:
                 self.notes[f"{self.path.name}: a damaged schema or channel"] += 1
                 del self._channels[id_]
-
-    def _places(self) -> list[int]:
-        """The places of chunks, as far as the summary says."""
-        places: list[int] = []
-        with suppress(DamageError, struct.error):
-            start = self.size - _FOOTER_SIZE
-            (position,) = struct.unpack("<Q", self.between(start + 9, start + 17))
-            while position < start:
-                opcode, length = struct.unpack("<BQ", self.between(position, position + 9))
-                if opcode not in (SCHEMA, CHANNEL, *_SUMMARY):
-                    break
-                if opcode == CHUNK_INDEX:
-                    places += struct.unpack_from("<16xQ", self.view(position + 9, position + 9 + length))
-                position += 9 + length
-        return places
 
     def _cut(self, behind: int) -> None:
         """The record at the end is not whole: of a chunk the messages before its end are still there."""
@@ -439,7 +423,7 @@ class McapFile(ChunkedFile):
             (stored,) = struct.unpack("<Q", self.between(start - 8, start))
         except DamageError:
             return
-        if opcode == CHUNK and start < self.size:
+        if opcode == kinds.CHUNK and start < self.size:
             end = min(start + stored, self.size) if compression else self.size
             size = size if compression else end - start
             cut = Chunk(min(first, MOST_TIME), MOST_TIME, behind, start, end, compression, size, 0, None, cut=True)

@@ -11,9 +11,10 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robophm.health.clock_jumps import CLOCK_JUMP, stretches
 from robophm.transports.recordings.columns.field_extraction import Bytes, Ints
@@ -126,6 +127,16 @@ class PiecedFile(ABC):
     def lost(self, what: str, offset: int, count: int = 1) -> None:
         """Note what of the file cannot be read."""
         self.notes[f"{self.path.name}: {what} at byte {offset} lost"] += count
+
+    def note_odd(self, found: NDArray[Any], known: Collection[int], odd: Mapping[int, int], offset: int) -> None:
+        """Note messages of connections that are not known, and records that may have been messages, by their kinds.
+
+        They are in the chunk that begins here, or between chunks.
+        """
+        if unknown := int(np.count_nonzero(~np.isin(found, [*known]))):
+            self.lost("messages of what is not defined, in what begins", offset, unknown)
+        for kind, count in odd.items():
+            self.lost(f"records of kind {kind}, which do not belong in what begins", offset, count)
 
     def note_missing(self, found: Counter[int], asked: Collection[int]) -> None:
         """Note how many messages of these connections are lost, by what the file says that it holds."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import re
 from array import array
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from mmap import mmap
@@ -24,7 +24,15 @@ from numpy.typing import NDArray
 
 from robophm.transports.recordings.columns.field_extraction import Bytes, everywhere
 from robophm.transports.recordings.format import SampleFormat
-from robophm.transports.recordings.logged import DAMAGED, LoggedRecording, LoggedTopic, mapped, utc_offset
+from robophm.transports.recordings.logged import (
+    DAMAGED,
+    Beginnings,
+    LoggedRecording,
+    LoggedTopic,
+    check_topics,
+    mapped,
+    utc_offset,
+)
 
 _HEAD = b"\xa3\x95"
 _BEHIND = (_HEAD, b"\0\0", b"\xff\xff")
@@ -122,8 +130,10 @@ class DataFlashRecording(LoggedRecording):
     @cached_property
     def _kinds(self) -> tuple[list[_Kind], int]:
         """The kinds of messages with their places, and how many bytes belong to no message."""
+        lengths = [0] * 256
+        beginnings = _beginnings(np.memmap(self.path, np.uint8, "r"), lengths)
         with mapped(self.path) as memory:
-            return _gone_through(memory)
+            return _gone_through(memory, lengths, beginnings)
 
     def _read(self, topics: Collection[str] | None) -> dict[str, LoggedTopic]:
         kinds, lost = self._kinds
@@ -159,31 +169,59 @@ def _logged(parts: list[tuple[_Kind, NDArray[np.int64], NDArray[np.int64]]], con
     return LoggedTopic(np.concatenate([times for _, _, times in parts]), fields)
 
 
-def _gone_through(memory: mmap) -> tuple[list[_Kind], int]:
-    """The kinds of messages of a log with their places, and how many bytes belong to no message."""
+def _beginnings(content: Bytes, lengths: Sequence[int]) -> Beginnings:
+    """Where whole messages of known lengths begin, behind which another may follow."""
+    size = len(content)
+
+    def within(begin: int, end: int) -> NDArray[np.int64]:
+        at = np.flatnonzero(content[begin:end] == _HEAD[0]) + begin
+        at = at[at + 3 <= size]
+        at = at[content[at + 1] == _HEAD[1]]
+        behind = at + np.array(lengths)[content[at + 2]]
+        at, behind = at[(behind >= at + 3) & (behind <= size)], behind[(behind >= at + 3) & (behind <= size)]
+        follow = content[np.minimum(behind[:, None] + (0, 1), size - 1)]
+        sound = behind + 2 > size
+        for two in _BEHIND:
+            sound |= (follow == (*two,)).all(axis=1)
+        found: NDArray[np.int64] = at[sound]
+        return found
+
+    return Beginnings(size, within)
+
+
+def _gone_through(memory: mmap, lengths: list[int], beginnings: Beginnings) -> tuple[list[_Kind], int]:
+    """The kinds of messages of a log with their places, and how many bytes belong to no message.
+
+    The ``lengths`` of messages by their number are filled in as the log says them.
+    """
     size = len(memory)
     first = _Kind("FMT", "", [], {})
-    kinds, lengths = [first], [0] * 256
+    kinds = [first]
     current: list[_Kind | None] = [None] * 256
     current[_FMT], lengths[_FMT] = first, _FMT_LENGTH
-    at = lost = 0
+    at = lost = changes = 0
     while at + 3 <= size:
         number = memory[at + 2]
         end = at + lengths[number]
         whole = memory[at] == _HEAD[0] and memory[at + 1] == _HEAD[1] and at + 3 <= end <= size
         if not (whole and (end + 2 > size or memory[end : end + 2] in _BEHIND)):
-            behind = memory.find(_HEAD, at + 1)
-            lost += _lost(memory, at, behind if behind > 0 else size)
-            at = behind if behind > 0 else size
+            behind = beginnings.after(at)
+            lost += _lost(memory, at, behind)
+            at = behind
             continue
         if kind := current[number]:
             kind.places.append(at)
         if number == _FMT and memory[at + 3] != _FMT:
-            defines, lengths[memory[at + 3]] = memory[at + 3], memory[at + 4]
+            defines, length = memory[at + 3], memory[at + 4]
+            if lengths[defines] != length:
+                lengths[defines] = length
+                beginnings.forget()
+                check_topics(changes := changes + 1)
             made, known = _defined(memory[at + 3 : end]), current[defines]
             if not (known and made and known.same(made)):
                 current[defines] = made if made and made.clock else None
                 kinds += [made] if made and current[defines] else []
+                check_topics(len(kinds))
         at = end
     return kinds, lost + _lost(memory, at, size)
 

@@ -25,7 +25,14 @@ from numpy.typing import NDArray
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.field_extraction import Bytes, everywhere
 from robophm.transports.recordings.format import SampleFormat
-from robophm.transports.recordings.logged import DAMAGED, LoggedRecording, LoggedTopic, mapped
+from robophm.transports.recordings.logged import (
+    DAMAGED,
+    Beginnings,
+    LoggedRecording,
+    LoggedTopic,
+    check_topics,
+    mapped,
+)
 
 _TIME = 8
 _MICROSECOND = 1000
@@ -35,7 +42,6 @@ _MOST_TIME = 1 << 53
 _HEADS = {0xFE: 6, 0xFD: 10}
 """First byte of a message of MAVLink 1 and 2, and how long all is that stands before its fields."""
 
-_MAGIC = re.compile(rb"[\xfd\xfe]")
 _CHECKSUM = 2
 _SIGNED = 1
 _SIGNATURE = 13
@@ -65,8 +71,9 @@ class MavlinkRecording(LoggedRecording):
     def _messages(self) -> tuple[dict[Sender, array[int]], int, dict[int, int]]:
         """Where the messages of each sender lie, how many bytes belong to none, and how many messages nobody knows."""
         dialect = _dialect(self.path)
+        beginnings = _beginnings(np.memmap(self.path, np.uint8, "r"), dialect)
         with mapped(self.path) as memory:
-            return _gone_through(memory, dialect)
+            return _gone_through(memory, dialect, beginnings)
 
     def _read(self, topics: Collection[str] | None) -> dict[str, LoggedTopic]:
         dialect = _dialect(self.path)
@@ -150,13 +157,40 @@ def _of_instances(name: str, kind: Any, messages: _Messages) -> Iterator[tuple[s
         yield name, messages
         return
     told, which, counts = np.unique(messages.values(kind.instance_field), return_inverse=True, return_counts=True)
+    check_topics(len(told))
     rows = np.split(np.argsort(which, kind="stable"), np.cumsum(counts)[:-1])
     for instance, own in zip(told.tolist(), rows, strict=True):
         text = instance.decode("latin-1") if isinstance(instance, bytes) else str(instance or "")
         yield f"{name}_{_NO_TOPIC.sub('_', text)}" if text else name, messages.part(own)
 
 
-def _gone_through(memory: mmap, dialect: Any) -> tuple[dict[Sender, array[int]], int, dict[int, int]]:
+def _beginnings(content: Bytes, dialect: Any) -> Beginnings:
+    """Where messages may begin that have a time and a length, and a kind that is known or another behind them."""
+    known = np.array([*dialect.mavlink_map], np.int64)
+    size = len(content)
+
+    def within(begin: int, end: int) -> NDArray[np.int64]:
+        heads = content[begin + _TIME : end + _TIME]
+        at = np.flatnonzero((heads == 0xFD) | (heads == 0xFE)) + begin
+        at = at[(content[at] == 0) & (content[at + 1] < _MOST_TIME >> 48)]
+        newer = content[at + _TIME] == 0xFD
+        first = at + _TIME + np.where(newer, _HEADS[0xFD], _HEADS[0xFE])
+        at, newer, first = at[first <= size], newer[first <= size], first[first <= size]
+        behind = first + content[at + _TIME + 1] + _CHECKSUM
+        behind += np.where(newer & ((content[at + _TIME + 2] & _SIGNED) != 0), _SIGNATURE, 0)
+        id_ = content[first - 1].astype(np.int64)
+        id_[newer] = content[first[newer, None] - (3, 2, 1)].astype(np.int64) @ (1, 1 << 8, 1 << 16)
+        follows = content[np.minimum(behind + _TIME, size - 1)]
+        sound = np.isin(id_, known) | (behind + _TIME >= size) | (follows == 0xFD) | (follows == 0xFE)
+        found: NDArray[np.int64] = at[(behind <= size) & sound]
+        return found
+
+    return Beginnings(size, within)
+
+
+def _gone_through(
+    memory: mmap, dialect: Any, beginnings: Beginnings
+) -> tuple[dict[Sender, array[int]], int, dict[int, int]]:
     """Where the messages of each sender lie, how many bytes belong to none, and how many messages nobody knows."""
     size = len(memory)
     places: dict[Sender, array[int]] = {}
@@ -174,15 +208,16 @@ def _gone_through(memory: mmap, dialect: Any) -> tuple[dict[Sender, array[int]],
         elif sound:  # nothing says what its checksum is made of
             sound = end + _TIME >= size or memory[end + _TIME] in _HEADS
         if not sound:
-            next_ = _MAGIC.search(memory, at + _TIME + 1)
-            behind = next_.start() - _TIME if next_ else size
+            behind = beginnings.after(at)
             lost += behind - at
             at = behind
             continue
         if kind:
             places.setdefault(sender, array("I")).append(at)
+            check_topics(len(places))
         else:
             unknown[sender[2]] = unknown.get(sender[2], 0) + 1
+            check_topics(len(unknown))
         at = end
     return places, lost + size - at, unknown
 

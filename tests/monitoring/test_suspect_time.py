@@ -1,0 +1,305 @@
+"""A clock that lies while a robot is watched: the ledger is that of a clock that was right, but for what is named."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections import Counter
+from collections.abc import Callable, Collection, Iterator
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from robophm.core.errors import RobophmError
+from robophm.core.signal import CLOCK, HOUR, SECOND, Sample
+from robophm.design.robot import Robot
+from robophm.health.ledger import Ledger
+from robophm.health.report import HealthReport
+from robophm.health.suspect_time import settle
+from robophm.monitoring.live_loop import watch
+from robophm.monitoring.replay import replay
+from robophm.stores.memory import MemoryStore
+from robophm.transports.live.decoding import Numbers
+from robophm.transports.live.machine_time import MachineTime
+from robophm.transports.live.receiving import Receiver
+from robophm.transports.recordings.journal import Journal, JournalRecording
+from robophm.transports.signals.incidents import Incidents
+from robophm.transports.signals.source import LiveItem, LiveSource, TopicInfo
+
+from .designs import IN_2038, MEASURED, MOTOR, WARM, bound, robot
+from .designs import MEASURED_AS as T
+
+DAY = 24 * HOUR
+BOOT = 1_795_000_000 * SECOND
+LEAP = int(datetime(2026, 11, 18, 12, 0, tzinfo=UTC).timestamp()) * SECOND
+"""A midnight of UTC would be one; the kernel tells it by saying one second twice, wherever it is."""
+
+Clock = Callable[[int], int]
+"""What a machine's clock says at a true time [ns]."""
+
+
+def right(now: int) -> int:
+    return now
+
+
+@pytest.fixture
+def design() -> Robot:
+    wears = {"life": {"distribution": "weibull", "scale": "40 h", "shape": 2.5}, "scaling": "hazard"}
+    shelf = {"rate": "0.001 /h", "clock": "calendar"}
+    return robot(**MEASURED, components={**MOTOR, "seal": {**wears, "acceleration": {"model": "q10"}}, "shelf": shelf})
+
+
+class Machine(LiveSource):
+    """A robot whose motor warms up, heard each second of true time by a machine with this clock."""
+
+    def __init__(self, clock: Clock, begin: int, seconds: int) -> None:
+        self.notes = Counter()
+        self.fingerprint = ""
+        self.heard = 0
+        self._clock, self._begin, self._seconds = clock, begin, seconds
+
+    def topics(self) -> list[TopicInfo]:
+        return []
+
+    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
+        true = self._begin
+
+        def note(words: str) -> None:
+            self.notes[words] += 1
+
+        machine = MachineTime(self.known_to, note, clock=lambda: self._clock(true), steady=lambda: true - BOOT)
+        for second in range(self._seconds):
+            true = self._begin + second * SECOND
+            if now := machine.now():
+                self.heard += 1
+                yield Sample(now, T, 30.0 + second % 400 / 10)
+                yield Sample(now, CLOCK, machine.ahead)
+
+
+class Life:
+    """A robot that is watched from time to time, with its past in a store."""
+
+    def __init__(self, design: Robot) -> None:
+        self.design, self.store = design, MemoryStore()
+        self.notes: list[str] = []
+        self.heard = 0
+
+    def lives(self, begin: int, seconds: int, clock: Clock = right, journal: Path | None = None) -> Life:
+        machine = Machine(clock, begin, seconds)
+        if journal:
+            with Journal(journal, self.design.signals) as written:
+                self.monitor = watch(self.design, machine, store=self.store, journal=written, period=20)
+        else:
+            self.monitor = watch(self.design, machine, store=self.store, period=20)
+        self.notes += machine.notes
+        self.heard += machine.heard
+        return self
+
+    @property
+    def ledger(self) -> Ledger:
+        return self.monitor.ledger
+
+    @property
+    def seconds(self) -> list[float]:
+        """Operating and calendar time so far [s], up to the last sample."""
+        return [float(hours) * 3600 for hours in self.monitor.exposure.settled(self.ledger).clocks.value[:2]]
+
+    @property
+    def report(self) -> HealthReport:
+        return self.monitor.report(remaining_life=False)
+
+    def but_for_the_named(self) -> dict[str, Any]:
+        return {key: value for key, value in self.ledger.to_json().items() if key != "suspect_time"}
+
+
+def stepped(at: int, by: int, until: int = 1 << 62) -> Clock:
+    return lambda now: now + by if at <= now < until else now
+
+
+@pytest.mark.parametrize("by", [2, -2, 30, -30])
+def test_a_small_step_by_ntp_changes_nothing(design: Robot, by: int) -> None:
+    life = Life(design).lives(BOOT, 900, stepped(BOOT + 200 * SECOND, by * SECOND))
+    assert life.ledger.to_json() == Life(design).lives(BOOT, 900).ledger.to_json()
+    assert life.notes == [f"the clock was set {'forward' if by > 0 else 'back'}; time went on as it was"]
+
+
+def test_a_leap_second_changes_nothing(design: Robot) -> None:
+    begin = LEAP - 100 * SECOND
+    life = Life(design).lives(begin, 900, stepped(LEAP, -SECOND))
+    assert life.ledger.to_json() == Life(design).lives(begin, 900).ledger.to_json()
+    assert life.notes == []
+
+
+@pytest.mark.parametrize("year", [1970, 2038])
+def test_a_glitch_of_20_s_is_named_and_changes_nothing_else(design: Robot, year: int) -> None:
+    by = (IN_2038 if year == 2038 else 0) - BOOT
+    life = Life(design).lives(BOOT, 900, stepped(BOOT + 200 * SECOND, by, BOOT + 220 * SECOND))
+    assert life.but_for_the_named() == Life(design).lives(BOOT, 900).ledger.to_json()
+    (stretch,) = life.ledger.suspect_time
+    assert stretch == (BOOT + 200 * SECOND, BOOT + 219 * SECOND, by / SECOND, "passed")
+    hours = f"{abs(by) / HOUR:,.2f} h {'ahead' if by > 0 else 'behind'}"
+    assert [note for note in life.report.notes if f"the clock was {hours}: time went on without it" in note]
+    assert "clock not plausible" not in life.report.system.flags
+
+
+def test_the_robot_is_marked_on_every_face_while_the_clock_is_off(design: Robot) -> None:
+    life = Life(design).lives(BOOT, 900, stepped(BOOT + 200 * SECOND, -3 * HOUR))
+    assert "clock not plausible" in life.report.system.marks
+    assert life.report.state == "warn"
+    told = life.report.to_json()
+    begin, end = BOOT + 200 * SECOND, BOOT + 899 * SECOND
+    assert told["suspect_time"] == [{"begin": begin, "end": end, "ahead": -10800.0, "outcome": ""}]
+
+
+def test_a_clock_set_back_by_hours_makes_no_robot_deaf(design: Robot) -> None:
+    """It goes on, also over a restart in those hours, and the next day all sums are those of a clock that was right."""
+    off = stepped(BOOT + 200 * SECOND, -3 * HOUR, BOOT + DAY // 2)
+    there, should = Life(design), Life(design)
+    for begin, seconds in ((BOOT, 900), (BOOT + DAY, 300)):
+        there.lives(begin, seconds, off)
+        should.lives(begin, seconds)
+    assert there.but_for_the_named() == should.ledger.to_json()
+    assert [one.outcome for one in there.ledger.suspect_time] == ["passed"]
+    meanwhile = Life(design).lives(BOOT, 900, off).lives(BOOT + 1000 * SECOND, 300, off)
+    assert meanwhile.seconds[0] == pytest.approx(899 + 299, abs=1e-6)
+    assert not meanwhile.ledger.counts
+
+
+def test_1970_at_the_first_boot_until_the_time_is_known(design: Robot) -> None:
+    """Nothing is known yet: what comes before the clock is set does not count, and is said."""
+    life = Life(design).lives(BOOT, 900, stepped(BOOT, -BOOT, BOOT + 40 * SECOND))
+    assert life.heard == 860
+    assert life.ledger.started == BOOT + 40 * SECOND
+    assert life.seconds == pytest.approx([859, 859], rel=1e-9)
+    assert life.notes == ["the clock is before 2025: nothing counts until it is set, for ten minutes at most"]
+
+
+def test_1970_for_ever_counts_all_the_same(design: Robot) -> None:
+    """A machine without battery and network, started each day."""
+    life = Life(design)
+    for day in range(3):
+        life.lives(BOOT + day * DAY, 1800, lambda now, day=day: now - BOOT - day * DAY)
+    assert life.heard == 1200 + 2 * 1800
+    assert life.seconds[0] == pytest.approx(1199 + 2 * 1799, abs=1e-3)
+    assert not life.ledger.counts
+
+
+@pytest.mark.parametrize("wrong", [0, IN_2038], ids=["1970", "2038"])
+def test_a_clock_that_is_wrong_at_a_boot_and_right_later(design: Robot, wrong: int) -> None:
+    """The robot has a past: time goes on from it; the night counts as rest once the clock is believed."""
+    morning = BOOT + DAY
+
+    def clock(now: int) -> int:
+        return now - morning + wrong if morning <= now < morning + 40 * SECOND else now
+
+    there = Life(design).lives(BOOT, 900).lives(morning, 3000, clock)
+    should = Life(design).lives(BOOT, 900).lives(morning, 3000)
+    assert there.heard == should.heard
+    assert there.ledger.newest == should.ledger.newest
+    assert there.ledger.clocks.value == pytest.approx(should.ledger.clocks.value, abs=1 / 3600)
+    assert there.ledger.age.value == pytest.approx(should.ledger.age.value, abs=1 / 3600)
+    assert not there.ledger.counts
+    assert there.ledger.suspect_time[-1].outcome == "believed"
+
+
+def test_a_restart_with_a_clock_behind_goes_on_and_the_journal_says_the_same(design: Robot, tmp_path: Path) -> None:
+    journal = tmp_path / "run.journal"
+    behind = Life(design).lives(BOOT, 900, journal=journal)
+    behind.lives(BOOT + 1000 * SECOND, 600, lambda now: now - 5 * HOUR, journal)
+    assert behind.seconds[0] == pytest.approx(899 + 599, abs=1e-6)
+    assert not behind.ledger.counts
+    store = MemoryStore()
+    replay(design, JournalRecording(journal), store=store, period=20.0)
+    assert json.dumps(store.ledger("R")) == json.dumps(behind.ledger.to_json())
+
+
+@pytest.mark.parametrize("verdict", ["taken in", "struck out"])
+def test_a_rest_of_years_is_taken_in_or_struck_out(design: Robot, verdict: Any) -> None:
+    """Whether the robot rested for two years, or the clock is wrong by as much, nobody but its owner knows."""
+    away = 800 * DAY
+    life = Life(design).lives(BOOT, 900).lives(BOOT + away, 900)
+    assert life.seconds == pytest.approx([1798, 1798], abs=1e-3)
+    ledger = Ledger.from_json(json.loads(json.dumps(life.ledger.to_json())), life.ledger.modes, ())
+    done = settle(design, ledger, verdict)
+    assert done.outcome == verdict
+    assert ledger.newest == pytest.approx(BOOT + away + 899 * SECOND, abs=1000)
+    calendar = (BOOT + away + 899 * SECOND - BOOT) / SECOND if verdict == "taken in" else 1798
+    assert ledger.clocks.value[1] * 3600 == pytest.approx(calendar, abs=1e-3)
+    assert ledger.clocks.value[0] * 3600 == pytest.approx(1798, abs=1e-3)
+    life.store.save("R", ledger.to_json())
+    life.lives(BOOT + away + 1000 * SECOND, 100)
+    assert life.ledger.newest == BOOT + away + 1099 * SECOND
+    assert life.seconds[1] == pytest.approx(calendar + 200, abs=1e-3)
+    with pytest.raises(RobophmError, match="there is nothing to take in or strike out"):
+        settle(design, life.ledger, verdict)
+
+
+def test_a_past_that_began_in_2038_is_brought_to_the_time_that_is(design: Robot) -> None:
+    """Sums stay; times that were not yet are those of now, and the robot goes on."""
+    life = Life(design).lives(BOOT, 900, stepped(BOOT, IN_2038 - BOOT, BOOT + 300 * SECOND))
+    sums = life.monitor.exposure.settled(life.ledger).age.value
+    with pytest.raises(RobophmError, match="nothing can be taken in"):
+        settle(design, life.ledger, "taken in")
+    settle(design, life.ledger, "struck out")
+    assert life.ledger.newest == BOOT + 899 * SECOND
+    assert life.ledger.age.value == pytest.approx(sums, rel=1e-12)
+    life.store.save("R", life.ledger.to_json())
+    life.lives(BOOT + HOUR, 300)
+    assert life.ledger.newest == BOOT + HOUR + 299 * SECOND
+    assert life.seconds[1] == pytest.approx(3600 + 299, abs=1e-6)
+    assert not life.ledger.counts
+    assert math.isfinite(life.report.system.sensor_based.hazard_rate)
+
+
+class TwoMachines(LiveSource):
+    """The motor's topic stamped by another machine, whose clock is off by so much; the shelf's by this one."""
+
+    def __init__(self, off: float) -> None:
+        self.notes = Incidents()
+        self.fingerprint = ""
+        self._off = off
+
+    def topics(self) -> list[TopicInfo]:
+        return []
+
+    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
+        heard: list[LiveItem] = []
+        hearing = Receiver(self.notes, heard.extend, (), simulated=False, known_to=self.known_to)
+        now = BOOT
+        hearing._machine = MachineTime(None, self.notes.add, clock=lambda: now, steady=lambda: now)
+        for number in range(200):
+            now = BOOT + number * SECOND // 10
+            for topic, off in (("/motor", self._off), ("/shelf", 0.0)):
+                hearing.messages(Stamped(topic, now + round(off * SECOND), 30.0 + number % 50), [b""], None)
+            hearing.tell()
+            yield from heard
+            heard.clear()
+
+
+class Stamped:
+    """A decoder of a message with a temperature and a stamp."""
+
+    def __init__(self, topic: str, stamp: int, value: float) -> None:
+        self.topic, self._stamp, self._value = topic, stamp, value
+
+    def read(self, raw: bytes, *, whole: bool) -> Numbers:
+        return Numbers(self._stamp, None, [(f"{self.topic}.temperature", self._value)], [])
+
+
+@pytest.mark.parametrize("off", [5.0, -5.0, 3600.0, -3600.0])
+def test_two_machines_whose_clocks_are_apart(off: float, tmp_path: Path) -> None:
+    shelf = {"rate": "0.001 /h", **bound("/shelf", "temperature", unit="degC", max_age="10 s"), **WARM}
+    design = robot(**MEASURED, components={**MOTOR, "shelf": shelf})
+    source = TwoMachines(off)
+    with Journal(tmp_path / "run.journal", design.signals) as journal:
+        ledger = watch(design, source, journal=journal, period=0.1).ledger
+    assert not ledger.counts
+    kept = Counter(sample.signal for sample in JournalRecording(tmp_path / "run.journal").samples(design.signals))
+    assert kept["/motor.temperature"] == kept["/shelf.temperature"] == 200
+    told = [note for note in source.notes if "/motor" in note]
+    assert told == [{
+        -5.0: "too late for its own time, counted when it was heard: /motor.temperature"
+    }.get(off, "receipt time used for /motor")]  # fmt: skip
+    assert not any("/shelf" in note for note in source.notes)
