@@ -20,6 +20,7 @@ from robophm.report.basis import made_of, sensors
 from robophm.report.curve import Line, curve_svg
 from robophm.report.dependence import dependence
 from robophm.report.diagram_svg import diagram_svg
+from robophm.report.doubts import doubts_drawn
 from robophm.report.failures_to_come import contributors
 from robophm.report.importance import matters, replace_first
 from robophm.report.labels import part_labels
@@ -77,7 +78,7 @@ def _sections(
     yield section("What to replace first", *replace_first(robot, report.outlooks, report.task))
     whole = "Every sample was taken, and every signal was there."
     told = report.notes or (whole if report.time is not None else "Nothing has been observed yet.",)
-    yield section("Sensors and data", *sensors(robot), *told)
+    yield section("Sensors and data", *sensors(robot), *told, *doubts_drawn(report.doubts))
     yield section("Assumptions", *_assumptions(robot))
     yield section("What this report is made of", made_of(robot, ledger, series))
 
