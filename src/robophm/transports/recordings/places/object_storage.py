@@ -19,8 +19,8 @@ from robophm.transports.recordings.place import Place, Range, RangesError
 _AT_ONCE = 8
 """Requests that are under way at once."""
 
-_LIMITS = {"timeout": "60s", "connect_timeout": "10s"}
-_RETRIES = {"max_retries": 2}
+_LIMITS: dict[str, Any] = {"timeout": "60s", "connect_timeout": "10s"}
+_RETRIES: Any = {"max_retries": 2}
 
 _ASKS_MACHINE = "169.254.169.254"
 """The address at which a machine in a cloud is asked who it is, where nothing else says that."""
@@ -42,14 +42,14 @@ class StoredFile:
         if parts.query or parts.fragment or parts.username:
             plain = address.partition("?")[0].rpartition("@")[2]
             raise SourceError(f"{plain}: has more than a path; expected an address without '?', '#' or '@'")
-        options: dict[str, Any] = _LIMITS | ({"allow_http": True} if parts.scheme in ("http", "s3") else {})
+        options: Any = _LIMITS | ({"allow_http": True} if parts.scheme in ("http", "s3") else {})
         with self._told():
             self._store = from_url(f"{parts.scheme}://{parts.netloc}", client_options=options, retry_config=_RETRIES)
             self._path = unquote(parts.path).lstrip("/")
             found = self._store_head()
         self.size = int(found["size"])
         self.changed = found["last_modified"].timestamp()
-        self._same = {"if_match": found["e_tag"]} if found["e_tag"] else {}
+        self._same: Any = {"if_match": found["e_tag"]} if found["e_tag"] else {}
         """The condition under which the server gives the file: that it is what it was."""
 
     def _store_head(self) -> Any:
@@ -66,7 +66,8 @@ class StoredFile:
         """Some bytes; raises RangesError where there are others."""
         import obstore
 
-        result = obstore.get(self._store, self._path, options={"range": wanted, **self._same})
+        options: Any = {"range": wanted, **self._same}
+        result = obstore.get(self._store, self._path, options=options)
         if tuple(result.range) != wanted:
             raise RangesError
         return bytes(result.bytes())
@@ -76,7 +77,7 @@ class StoredFile:
         import obstore
 
         with self._told():
-            for part in obstore.get(self._store, self._path, options={**self._same}).stream():
+            for part in obstore.get(self._store, self._path, options=self._same).stream():
                 yield bytes(part)
 
     @contextmanager
