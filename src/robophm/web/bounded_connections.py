@@ -4,7 +4,6 @@ was silent for longest goes."""
 from __future__ import annotations
 
 import asyncio
-from typing import ClassVar
 
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
@@ -19,19 +18,19 @@ MOST_WAITING = 100
 
 
 class BoundedConnection(H11Protocol):
-    """A connection whose client has to come to its point."""
+    """A connection whose client has to come to its point.
 
-    _waiting: ClassVar[dict[BoundedConnection, str]] = {}
-    """Connections that wait for headers or a body, the one that was silent for longest first."""
+    The state that the connections of a server share holds those that wait for headers or a body, the one that was
+    silent for longest first.
+    """
 
     _end: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Begin to wait for a request; where too many do, the longest silent one has to go."""
+        """Begin to wait for a request."""
         super().connection_made(transport)
+        self._waiting: dict[BoundedConnection, str] = vars(self.server_state).setdefault("waiting", {})
         self._look()
-        if len(self._waiting) > MOST_WAITING:
-            next(iter(self._waiting))._let_go()
 
     def data_received(self, data: bytes) -> None:
         """Take what has come."""
@@ -64,6 +63,8 @@ class BoundedConnection(H11Protocol):
         self._go_on()
         self._waiting[self] = what
         self._end = self.loop.call_later(seconds, self._let_go)
+        if len(self._waiting) > MOST_WAITING:  # the one that was silent for longest has to go
+            next(iter(self._waiting))._let_go()
 
     def _go_on(self) -> None:
         self._waiting.pop(self, None)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import random
 import tempfile
 from pathlib import Path
 
@@ -143,3 +144,46 @@ def test_one_process_at_a_time_writes_a_journal(tmp_path: Path) -> None:
             Journal(path, [B])
         assert path.read_bytes() == before
     Journal(path, [B]).close()
+
+
+def cut(whole: bytes, synced: int, chance: random.Random) -> bytes:
+    """What a disk may hold after a cut of power: of each block behind the sync all, what it was, or nothing but zeros.
+
+    The file may have been made longer before its blocks were written, and blocks come in any order.
+    """
+    end = chance.randrange(synced, len(whole) + 1)
+    there = bytearray(whole[:end])
+    for begin in range(synced // 512 * 512, end, 512):
+        kept = max(begin, synced)
+        if chance.random() < 0.4:
+            there[kept : begin + 512] = bytes(len(there[kept : begin + 512]))
+        elif chance.random() < 0.2:
+            torn = chance.randrange(kept, begin + 513)
+            there[torn : begin + 512] = bytes(len(there[torn : begin + 512]))
+    return bytes(there)
+
+
+@pytest.mark.parametrize("states", [100, pytest.param(1000, marks=pytest.mark.full)])
+def test_power_cuts_lose_nothing_that_was_synced_and_make_nothing_up(states: int, tmp_path: Path) -> None:
+    path = tmp_path / "run.journal"
+    run = [Sample(10**18 + number, (A, B)[number % 2], number / 7) for number in range(600)]
+    marks = []
+    with Journal(path, [A, B]) as journal:
+        for number, sample in enumerate(run):
+            journal.write(sample)
+            if number % 100 == 99:
+                journal.sync()
+                marks.append((journal.position, number + 1))
+    whole = path.read_bytes()
+    for seed in range(states):
+        chance = random.Random(seed)
+        synced, safe = chance.choice(marks)
+        path.write_bytes(cut(whole, synced, chance))
+        kept = read(path)
+        assert kept[:safe] == run[:safe], seed
+        assert kept == [sample for sample in run if sample in {*kept}], seed
+        if seed % 20 == 0:  # the next run goes on behind it
+            with Journal(path, [A, B]) as journal:
+                assert list(journal.since(0)) == kept, seed
+                journal.write(run[0])
+            assert read(path) == [*kept, run[0]], seed
