@@ -10,6 +10,7 @@ from robophm.core.signal import HOUR
 from robophm.report.curve import Line, curve_svg
 from robophm.report.markup import Html
 from robophm.report.page import figure
+from robophm.report.words import moment_text
 from robophm.stores.figures import FigureSeries
 
 VIEWS = {"nominal": "nominal", "sensor_based": "sensor-based"}
@@ -32,6 +33,7 @@ def past_curves(robot: str, series: FigureSeries, names: tuple[str, ...] = tuple
     if len(series.times) < 2:
         return
     hours = (series.times - series.times[0]) / HOUR
+    since = moment_text(int(series.times[0]))[:16] + " UTC"
     off = series.broken
     for name in names:
         lines = []
@@ -48,6 +50,6 @@ def past_curves(robot: str, series: FigureSeries, names: tuple[str, ...] = tuple
             continue
         title, label = CURVES[name]
         yield figure(
-            curve_svg(lines, title=title, x_label="time since start [h]", y_label=label),
+            curve_svg(lines, title=title, x_label=f"hours since {since}", y_label=label),
             f"{title} of {robot}, as recorded",
         )

@@ -30,3 +30,6 @@ class MemoryStore(SqliteStore):
 
     def close(self) -> None:
         """Close nothing: what it holds is there as long as somebody has it."""
+
+    def __del__(self) -> None:
+        super().close()

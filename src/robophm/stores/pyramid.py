@@ -87,7 +87,7 @@ class Pyramid:
         for order in ("ASC", "DESC"):
             query = f"SELECT start, body FROM figures WHERE robot = ? AND width = 0 ORDER BY start {order}"
             first = order == "ASC"
-            with suppress(sqlite3.Error):
+            with suppress(sqlite3.Error, UnicodeError):
                 for start, body in self._base.execute(query, (number,)):
                     if not first and start <= reached:
                         break
