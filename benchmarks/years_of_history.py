@@ -83,9 +83,9 @@ def windows(path: Path, years: float, count: int = 200) -> None:
             length = round(10 ** draw.uniform(np.log10(10 * MINUTE), np.log10(total)))
             start = BEGIN + round(draw.uniform(0, total - length))
             begun, work = time.perf_counter(), time.process_time()
-            found = store.figures("arm", start, start + length)
+            found = store.history("arm").figures(start, start + length)
             json.dumps(found.to_json())
-            store.events("arm", start, start + length)
+            store.history("arm").events(start, start + length)
             took.append(1000 * (time.perf_counter() - begun))
             used.append(1000 * (time.process_time() - work))
             assert 0 < len(found.times) <= 1000
@@ -115,11 +115,11 @@ def reports(path: Path, years: float) -> None:
         for _ in range(200):
             at = BEGIN + round(draw.uniform(0, years * YEAR * MINUTE))
             begun = time.perf_counter()
-            found = store.report_at("arm", at)
+            found = store.history("arm").report_at(at)
             took.append(1000 * (time.perf_counter() - begun))
             assert found
             ages.append((at - found["time"]) / HOUR)
-        kept = sum(1 for _ in store.history("arm"))
+        kept = sum(1 for _ in store.history("arm").reports())
     print(
         f"200 reports as they were: p99 {np.percentile(took, 99):.1f} ms, at most {max(ages):.1f} h old; {kept:,} kept"
     )

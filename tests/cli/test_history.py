@@ -20,7 +20,7 @@ def past(design, recording, tmp_path):
     robot = robophm.load(design)
     with robophm.open_store(tmp_path / "past.db") as store, Recording(recording) as source:
         replay(robot, source, store=store, report_every=90)
-        reports = list(store.history(robot.identity))
+        reports = list(store.history(robot.identity).reports())
         restart = Event(reports[1]["time"] + 1, "restart", "", "begun again")
         store.save(robot.identity, store.ledger(robot.identity), (), (), [restart])
     return reports

@@ -41,7 +41,7 @@ def test_it_says_which_design_and_which_data_it_is_made_of(inside, run, design, 
     replayed, alone, lived = (hashes(tmp_path / f"{name}.html") for name in ("replayed", "design", "lived"))
     robot = robophm.load(design)
     with robophm.open_store(tmp_path / "past.db") as store:
-        past = [store.ledger(robot.identity), store.figures(robot.identity).to_json()]
+        past = [store.ledger(robot.identity), store.history(robot.identity).figures().to_json()]
     content = json.dumps(past, sort_keys=True, separators=(",", ":"))
     assert lived == replayed == [robot.design_hash, hashlib.sha256(content.encode()).hexdigest()]
     assert alone == lived[:1]

@@ -58,7 +58,7 @@ def page():
     day = SyntheticOta(seed=3, start=1_709_553_600 * SECOND, duration=20 * HOUR, period=5 * SECOND)
     store = MemoryStore()
     report = replay(robot, day, store=store)
-    series = store.figures(robot.name)
+    series = store.history(robot.name).figures()
     return robot, report, series
 
 

@@ -25,10 +25,10 @@ def content(path: Path) -> dict[str, Any]:
         return {
             robot: [
                 store.ledger(robot), store.progress(robot, "drive"), store.progress(robot, "other"),
-                list(store.history(robot)), [one.to_json() for one in store.events(robot)],
-                store.figures(robot).to_json(), [store.report_at(robot, time) for time in (-1, 4, 10**9)],
+                list(kept.reports()), [one.to_json() for one in kept.events()], kept.figures().to_json(),
+                [kept.report_at(time) for time in (-1, 4, 10**9)],
             ]
-            for robot in (*store.robots(), *ROBOTS)
+            for robot in (*store.robots(), *ROBOTS) for kept in [store.history(robot)]
         }  # fmt: skip
 
 

@@ -57,7 +57,7 @@ def test_all_that_was_kept_is_there(kept: Path) -> None:
     done = rows(kept, "SELECT recording, complete FROM progress")
     with SqliteStore(kept) as store:
         assert store.ledger("R") == json.loads(before)
-        assert list(store.history("R")) == reports
+        assert list(store.history("R").reports()) == reports
         assert [(name, int(store.progress("R", name).complete)) for name, _ in done] == done
     with SqliteStore(kept) as store:  # and is so when it is opened again
         assert store.ledger("R") == json.loads(before)

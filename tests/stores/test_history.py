@@ -92,17 +92,17 @@ def test_a_course_is_what_plain_loops_over_all_reports_say(store: Store) -> None
     reports, draw = sporadic(1500, 1), random.Random(2)
     for first in range(0, len(reports), 700):
         store.save("R", {}, (), reports[first : first + 700])
-    whole = store.figures("R", points=10_000)
+    whole = store.history("R").figures(points=10_000)
     assert (whole.width, len(whole.times)) == (0, len(reports))
     is_right(whole, reports)
     for points in (2, 3, 10, 100, 1000):
         start, end = sorted(draw.randrange(BEGIN, reports[-1]["time"]) for _ in range(2))
         for window in ((None, None), (start, None), (None, end), (start, end)):
-            found = store.figures("R", *window, points=points)
+            found = store.history("R").figures(*window, points=points)
             assert len(found.times) <= points
             is_right(found, [one for one in reports if (window[0] or 0) <= one["time"] < (window[1] or 2**63)])
-    assert len(store.figures("R", BEGIN + 1, BEGIN + 2).times) == 0
-    assert len(store.figures("nobody").times) == 0
+    assert len(store.history("R").figures(BEGIN + 1, BEGIN + 2).times) == 0
+    assert len(store.history("nobody").figures().times) == 0
 
 
 def test_long_windows_are_answered_by_coarser_levels(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -111,7 +111,7 @@ def test_long_windows_are_answered_by_coarser_levels(store: Store, monkeypatch: 
     store.save("R", {}, (), reports)
     widths = {}
     for minutes in (90, 900, 3000):
-        found = store.figures("R", BEGIN, BEGIN + minutes * MINUTE, points=1000)
+        found = store.history("R").figures(BEGIN, BEGIN + minutes * MINUTE, points=1000)
         widths[minutes] = found.width
         is_right(found, reports)
         assert found.number[:, 0].sum() >= minutes  # the spans at both ends reach beyond the window
@@ -121,17 +121,19 @@ def test_long_windows_are_answered_by_coarser_levels(store: Store, monkeypatch: 
 @pytest.mark.parametrize("points", [0, 1, 10_001, 2.5, None])
 def test_a_number_of_points_that_is_none_is_refused(store: Store, points: Any) -> None:
     with pytest.raises(RobophmError, match=r"points .*: expected a whole number of at least 2 and at most 10000"):
-        store.figures("R", points=points)
+        store.history("R").figures(points=points)
 
 
 def same(one: Store, other: Store) -> None:
     """Assert that two stores have the same history of R."""
-    assert list(one.history("R")) == list(other.history("R"))
-    assert one.events("R") == other.events("R")
-    first, last = one.figures("R").times[[0, -1]].tolist()
+    assert list(one.history("R").reports()) == list(other.history("R").reports())
+    assert one.history("R").events() == other.history("R").events()
+    first, last = one.history("R").figures().times[[0, -1]].tolist()
     for days in (0.01, 1, 10, 400):
         for end in (first + round(days * DAY), last + 1):
-            for a, b in zip(*(store.figures("R", end - round(days * DAY), end) for store in (one, other)), strict=True):
+            for a, b in zip(
+                *(store.history("R").figures(end - round(days * DAY), end) for store in (one, other)), strict=True
+            ):
                 np.testing.assert_array_equal(a, b)
 
 
@@ -156,14 +158,14 @@ def test_what_came_after_a_time_can_be_taken_back(store: Store) -> None:
     restart = [Event(one["time"], "restart", "", "again") for one in reports[::100]]
     last = reports[499]["time"]
     store.save("R", {}, (), reports, restart)
-    kept = list(store.history("R"))
+    kept = list(store.history("R").reports())
     store.bring_back("R", {"n": 1}, last)
-    found = store.figures("R", points=10_000)
+    found = store.history("R").figures(points=10_000)
     assert found.times.tolist() == [one["time"] for one in reports[:500]]
     for points in (5, 50):
-        is_right(store.figures("R", points=points), reports[:500])
-    assert store.events("R") == restart[:5]
-    assert list(store.history("R")) == [one for one in kept if one["time"] <= last]
+        is_right(store.history("R").figures(points=points), reports[:500])
+    assert store.history("R").events() == restart[:5]
+    assert list(store.history("R").reports()) == [one for one in kept if one["time"] <= last]
 
 
 def test_whole_reports_are_thinned_as_docs_say_and_figures_are_not(store: Store) -> None:
@@ -179,16 +181,16 @@ def test_whole_reports_are_thinned_as_docs_say_and_figures_are_not(store: Store)
             time for time, last in zip(expected, before, strict=False)
             if newest - time <= age or time // span != last
         ]  # fmt: skip
-    kept = list(store.history("R"))
+    kept = list(store.history("R").reports())
     assert [one["time"] for one in kept] == expected
     assert kept[0] == reports[0]
     assert kept[-1] == reports[-1]
-    assert store.figures("R", points=10_000).times.tolist() == [one["time"] for one in reports]
+    assert store.history("R").figures(points=10_000).times.tolist() == [one["time"] for one in reports]
     for asked in (0, BEGIN, BEGIN + 5 * DAY + 1, newest, newest + DAY):
-        found = store.report_at("R", asked)
+        found = store.history("R").report_at(asked)
         assert found
         assert found["time"] == max((time for time in expected if time <= asked), default=expected[0])
-    assert store.report_at("nobody", BEGIN) is None
+    assert store.history("nobody").report_at(BEGIN) is None
 
 
 def told(time: int, *, breaches: Sequence[str] = (), flags: Sequence[str] = (), design: str = "a") -> dict[str, Any]:
@@ -210,7 +212,7 @@ def test_events_are_told_from_what_changes_and_are_kept_for_ever(store: Store) -
     }
     store.save("R", ledger, (), [told(BEGIN + 3, design="b")], [Event(BEGIN + 6, "restart", "", "begun again")])
     store.save("R", ledger, (), quiet)
-    assert [event[:3] for event in store.events("R")] == [
+    assert [event[:3] for event in store.history("R").events()] == [
         (BEGIN + 1, "breach", "hazard rate"),
         (BEGIN + 2, "silence", "/t.x"),
         (BEGIN + 3, "breach ended", "hazard rate"),
@@ -221,10 +223,10 @@ def test_events_are_told_from_what_changes_and_are_kept_for_ever(store: Store) -
         (BEGIN + 6, "restart", ""),
         (BEGIN + 400 * DAY, "design change", ""),
     ]
-    assert store.events("R")[0].said == "hazard rate 2e-05 /h is above 1e-05 /h"
-    assert [event.time for event in store.events("R", BEGIN + 1, BEGIN + 3)] == [BEGIN + 1, BEGIN + 2]
-    assert [event.time for event in store.events("R", end=BEGIN + 6, most=2)] == [BEGIN + 4, BEGIN + 5]
-    assert store.events("S") == []
+    assert store.history("R").events()[0].said == "hazard rate 2e-05 /h is above 1e-05 /h"
+    assert [event.time for event in store.history("R").events(BEGIN + 1, BEGIN + 3)] == [BEGIN + 1, BEGIN + 2]
+    assert [event.time for event in store.history("R").events(end=BEGIN + 6, most=2)] == [BEGIN + 4, BEGIN + 5]
+    assert store.history("S").events() == []
 
 
 # Stores of before.
@@ -266,7 +268,7 @@ def test_a_store_of_version_2_becomes_what_it_would_be_now(
         same(store, now)
         assert store.progress("R", "drive")[1:] == (7, True, {"a note": 2})
         assert store.ledger("R") == LEDGER
-        assert store.figures("S").times.tolist() == now.figures("R").times.tolist()
+        assert store.history("S").figures().times.tolist() == now.history("R").figures().times.tolist()
         store.save("R", {"n": 1})
     assert caplog.messages == [
         f"a store of version 2 becomes one of version 3: {n} of 3600 reports" for n in (1000, 2300, 3300)

@@ -75,7 +75,7 @@ def command(
                 report = replay(robot, source, store=store, on_tick=look)
         else:
             report = replay(robot, source, store=store)
-        series, ledger = store.figures(robot.identity), store.ledger(robot.identity)
+        series, ledger = store.history(robot.identity).figures(), store.ledger(robot.identity)
         messages = {info.topic: info.messages for info in source.topics()}
         samples = sum(messages[split_signal(signal)[0]] for signal in robot.signals)
     took = time.monotonic() - begun

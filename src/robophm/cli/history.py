@@ -59,8 +59,8 @@ def command(
         if at is not None:
             _report(robot, store, moment_of("--at", at), as_json=as_json)
             return
-        series = store.figures(robot.identity, first, last, points)
-        events = store.events(robot.identity, first, last)
+        series = store.history(robot.identity).figures(first, last, points)
+        events = store.history(robot.identity).events(first, last)
     if plot:
         write(plot, history_page(robot.name, series, events))
     if as_json:
@@ -99,7 +99,7 @@ def _print(robot: Robot, series: FigureSeries, events: Sequence[Event]) -> None:
 
 def _report(robot: Robot, store: Store, time: int, *, as_json: bool) -> None:
     """Print the report that is kept of a time, and how far from it that is."""
-    report = store.report_at(robot.identity, time)
+    report = store.history(robot.identity).report_at(time)
     if report is None:
         raise RobophmError(f"no report of {robot.name} is kept; expected a store that watch or replay wrote to")
     away = (time - report["time"]) / HOUR

@@ -58,7 +58,7 @@ def command(
         elif done:
             warn(f"{len(done)} of {len(sessions)} recordings are already in {store}; they are not counted again")
         health = replace(replay_sessions(robot, sessions, store=kept, on_tick=tick), horizon=ahead)
-        past = (kept.figures(robot.identity), kept.ledger(robot.identity)) if kept and report else ()
+        past = (kept.history(robot.identity).figures(), kept.ledger(robot.identity)) if kept and report else ()
     if report:
         write(report, health_page(robot, health, *past))
     if as_json:

@@ -42,7 +42,7 @@ def command(
         from robophm.stores import open_store
 
         with open_store(store) as past:
-            series = past.figures(robot.identity)
+            series = past.history(robot.identity).figures()
     data = ledger.to_json() if ledger else None
     health = Monitor(robot, ledger).report(horizon=ahead, alarms=True)
     html = health_page(robot, health, series, data)

@@ -33,7 +33,7 @@ def stored_past(address: Address, robot: Robot) -> Iterator[tuple[Store, Ledger]
 def stored_history(address: Address, robot: Robot) -> Iterator[Store]:
     """A store that is there and knows the robot, to look at its history. Raises StoreError where it does not."""
     with existing_store(address) as store:
-        if store.report_at(robot.identity, 0) is None and robot.identity not in store.robots():
+        if store.history(robot.identity).report_at(0) is None and robot.identity not in store.robots():
             raise unknown_robot(address, store, robot)
         yield store
 

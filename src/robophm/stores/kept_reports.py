@@ -45,6 +45,7 @@ class KeptReports:
 
     def all(self, robot: str) -> Iterator[Mapping[str, Any]]:
         """Yield the reports that are kept, oldest first."""
+        REPORT.check(self._base, robot)
         last = -(2**63)
         while rows := [*REPORT.rows(self._base, robot, "AND time > ? ORDER BY time LIMIT ?", last, PAGE)]:
             yield from (_read(body) for _, body in rows)

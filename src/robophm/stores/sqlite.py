@@ -13,19 +13,17 @@ from contextlib import ExitStack, closing, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from robophm.core.argument_checks import number
 from robophm.core.errors import StoreError
 from robophm.core.single_writer import only_one
 from robophm.stores._checked_rows import DamagedError
 from robophm.stores._good_state import KEEP_EVERY, good_file, keep_good, make_anew
-from robophm.stores._tables import LEDGER, PROGRESS, REPORT, TABLES, VERSION
+from robophm.stores._tables import LEDGER, PROGRESS, TABLES, VERSION
 from robophm.stores.alarm_log import AlarmLog
 from robophm.stores.events import Event
-from robophm.stores.figures import FigureSeries
-from robophm.stores.kept_history import KeptHistory
+from robophm.stores.kept_history import HistoryOf, KeptHistory
 from robophm.stores.migration import known_version, migrate
 from robophm.stores.sqlite_alarms import SqliteAlarms
-from robophm.stores.store import MOST_EVENTS, MOST_POINTS, POINTS, NoRoomError, Progress, Restored, Store
+from robophm.stores.store import History, NoRoomError, Progress, Restored, Store
 
 LONGEST_WAIT = 10.0
 """The most seconds to wait for others who write to the same store, or make it."""
@@ -112,31 +110,9 @@ class SqliteStore(Store):
             row = PROGRESS.get(self._base, robot, recording)
         return Progress(recording, row[0], bool(row[1]), json.loads(row[2])) if row else Progress(recording)
 
-    def history(self, robot: str) -> Iterator[Mapping[str, Any]]:
-        """Yield the robot's reports that are kept, oldest first."""
-        with self._errors():
-            REPORT.check(self._base, robot)
-            yield from self._history.reports.all(robot)
-
-    def figures(
-        self, robot: str, start: int | None = None, end: int | None = None, points: int = POINTS
-    ) -> FigureSeries:
-        """Return the figures of the reports from a time until before another [ns]. Raises RobophmError."""
-        number(points, "points", low=2, high=MOST_POINTS, whole=True)
-        with self._errors():
-            return self._history.figures.figures(robot, start, end, points)
-
-    def report_at(self, robot: str, time: int) -> Mapping[str, Any] | None:
-        """Return the last report that is kept up to a time [ns], else the first after it; None where there is none."""
-        with self._errors():
-            return self._history.reports.at(robot, time)
-
-    def events(
-        self, robot: str, start: int | None = None, end: int | None = None, most: int = MOST_EVENTS
-    ) -> list[Event]:
-        """Return the events from a time until before another [ns], oldest first; the latest where there are more."""
-        with self._errors():
-            return self._history.events.between(robot, start, end, most)
+    def history(self, robot: str) -> History:
+        """Return what is kept of the robot's reports, of all its time."""
+        return HistoryOf(self._history, robot, self._errors)
 
     def save(
         self,

@@ -49,6 +49,33 @@ class Restored(NamedTuple):
     """The damaged store, which was kept."""
 
 
+class History(ABC):
+    """The past of one robot: figures for ever, events for ever, whole reports thinned as they grow old."""
+
+    @abstractmethod
+    def reports(self) -> Iterator[Mapping[str, Any]]:
+        """Yield the reports that are kept whole, oldest first. Raises StoreError, as the others do."""
+
+    @abstractmethod
+    def figures(self, start: int | None = None, end: int | None = None, points: int = POINTS) -> FigureSeries:
+        """Return the figures of the reports from a time until before another [ns], None being open.
+
+        There are at most so many points, from 2 to MOST_POINTS; where there were more reports, each is the lowest, mean
+        and highest of a span of time. No report's figures are ever left out.
+        """
+
+    @abstractmethod
+    def report_at(self, time: int) -> Mapping[str, Any] | None:
+        """Return the last report that is kept up to a time [ns], else the first after it; None where there is none."""
+
+    @abstractmethod
+    def events(self, start: int | None = None, end: int | None = None, most: int = MOST_EVENTS) -> list[Event]:
+        """Return the events from a time until before another [ns], None being open, oldest first.
+
+        Where there are more than ``most`` of them, those are the latest.
+        """
+
+
 class Store(ABC):
     """The pasts of robots, kept by their names."""
 
@@ -79,31 +106,8 @@ class Store(ABC):
         """Return how far a recording has been replayed into this robot's ledger."""
 
     @abstractmethod
-    def history(self, robot: str) -> Iterator[Mapping[str, Any]]:
-        """Yield the robot's reports that are kept, oldest first."""
-
-    @abstractmethod
-    def figures(
-        self, robot: str, start: int | None = None, end: int | None = None, points: int = POINTS
-    ) -> FigureSeries:
-        """Return the figures of the reports from a time until before another [ns], None being open.
-
-        There are at most so many points, from 2 to MOST_POINTS; where there were more reports, each is the lowest, mean
-        and highest of a span of time. No report's figures are ever left out.
-        """
-
-    @abstractmethod
-    def report_at(self, robot: str, time: int) -> Mapping[str, Any] | None:
-        """Return the last report that is kept up to a time [ns], else the first after it; None where there is none."""
-
-    @abstractmethod
-    def events(
-        self, robot: str, start: int | None = None, end: int | None = None, most: int = MOST_EVENTS
-    ) -> list[Event]:
-        """Return the events from a time until before another [ns], None being open, oldest first.
-
-        Where there are more than ``most`` of them, those are the latest.
-        """
+    def history(self, robot: str) -> History:
+        """Return what is kept of the robot's reports, of all its time."""
 
     @abstractmethod
     def save(

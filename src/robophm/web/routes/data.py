@@ -183,7 +183,7 @@ def _report(service: Service) -> str:
     series = None
     if (store := service.settings.store) and store_exists(store):
         with open_store(store) as kept:
-            series = kept.figures(prepared.robot.identity)
+            series = kept.history(prepared.robot.identity).figures()
     return health_page(prepared.robot, report, series, ledger.to_json())
 
 

@@ -85,10 +85,13 @@ def get_history(
     robot = service.prepared().robot.identity
     first, last = (None if at is None else round(at * SECOND) for at in (start, end))
     with service.monitoring.history() as store:
-        if store is None or (oldest := store.report_at(robot, -(2**62))) is None:
+        if store is None or (oldest := store.history(robot).report_at(-(2**62))) is None:
             return History(first=None, last=None, width=0, times=[], breaks=[], figures={}, events=[])
-        newest = store.report_at(robot, 2**62) or oldest
-        found, told = store.figures(robot, first, last, points), store.events(robot, first, last, MOST_EVENTS)
+        newest = store.history(robot).report_at(2**62) or oldest
+        found, told = (
+            store.history(robot).figures(first, last, points),
+            store.history(robot).events(first, last, MOST_EVENTS),
+        )
     return History(
         first=oldest["time"] / SECOND,
         last=newest["time"] / SECOND,
@@ -109,7 +112,7 @@ def get_report_as_it_was(service: Served, time: Moment) -> PastReport:
     """The last report that is kept up to a time [s since the epoch], else the first after it."""
     robot, asked = service.prepared().robot.identity, round(time * SECOND)
     with service.monitoring.history() as store:
-        found = store.report_at(robot, asked) if store else None
+        found = store.history(robot).report_at(asked) if store else None
     if found is None:
         raise HTTPException(404, "no report is kept of this robot")
     return PastReport(time=found["time"] / SECOND, hours_before=(asked - found["time"]) / HOUR, report=dict(found))
