@@ -184,6 +184,7 @@ def test_a_store_of_another_package(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         "from robophm.stores.memory import MemoryStore\n\n\nclass TheirStore(MemoryStore):\n    pass\n"
     )
     monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.delitem(sys.modules, "their_store", raising=False)
     entry = EntryPoint("theirs", "their_store", "robophm.stores")
     monkeypatch.setattr(registry, "entry_points", lambda *, group, name=None: [entry] if group == entry.group else [])
     assert stores() == ["memory", "sqlite", "theirs"]
