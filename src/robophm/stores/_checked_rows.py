@@ -128,9 +128,9 @@ class CheckedTable(NamedTuple):
             try:
                 if key[0] != robot or (last is not None and not last < key):
                     return None
+                count, sums, last = count + 1, sums ^ one, key
             except TypeError:  # what was a number is none any more
                 return None
-            count, sums, last = count + 1, sums ^ one, key
         return count, sums
 
     def _known(self, base: sqlite3.Connection, robot: str) -> tuple[int, int]:
