@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Callable, Iterable, Mapping
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager, suppress
 from typing import Any
 
 from robophm.stores.alarm_log import MOST_ALARMS, AlarmLog
@@ -16,6 +16,7 @@ _TABLE = """CREATE TABLE IF NOT EXISTS alarm (
     UNIQUE (robot, what, begin)
 ) STRICT"""
 _COLUMNS = "number, body, acknowledged_by, acknowledged_at"
+_ALL_COLUMNS = "number, robot, what, begin, ended, acknowledged_by, acknowledged_at, body"
 
 
 class SqliteAlarms(AlarmLog):
@@ -71,6 +72,39 @@ class SqliteAlarms(AlarmLog):
         with self._errors():
             self._base.execute(say, (by, time, number))
         return True
+
+
+def carry_over(damaged: sqlite3.Connection, base: sqlite3.Connection) -> None:
+    """Keep in a base, which has no alarms yet, those of a damaged one that can be read, with their numbers."""
+    base.execute(_TABLE)
+    for row in _readable(damaged):
+        with suppress(sqlite3.IntegrityError):
+            base.execute(f"INSERT INTO alarm ({_ALL_COLUMNS}) VALUES (?, ?, ?, ?, ?, ?, ?, ?)", row)
+
+
+def alarms_are_sound(base: sqlite3.Connection) -> bool:
+    """Whether all alarms that a base has can be read. Raises sqlite3.Error where it cannot be asked."""
+    if not base.execute("SELECT count(*) FROM sqlite_schema WHERE name = 'alarm'").fetchone()[0]:
+        return True
+    count: int = base.execute("SELECT count(*) FROM alarm").fetchone()[0]
+    return count == sum(1 for _ in _readable(base))
+
+
+def _readable(base: sqlite3.Connection) -> Iterator[tuple[Any, ...]]:
+    """The rows that say in both places what the alarm is, from both ends of the table as far as they can be reached."""
+    numbers: set[int] = set()
+    for order in ("ASC", "DESC"):
+        with suppress(sqlite3.Error):
+            for (number,) in base.execute(f"SELECT number FROM alarm ORDER BY number {order}"):
+                if number in numbers:
+                    break
+                numbers.add(number)
+    for number in sorted(numbers):
+        with suppress(sqlite3.Error, ValueError, TypeError, KeyError):
+            row = base.execute(f"SELECT {_ALL_COLUMNS} FROM alarm WHERE number = ?", (number,)).fetchone()
+            body = json.loads(row[-1])
+            if (body["what"], body["begin"], body["end"]) == row[2:5]:
+                yield row
 
 
 def _alarm(row: tuple[int, str, str, int | None]) -> dict[str, Any]:
