@@ -9,6 +9,7 @@ from contextlib import AbstractContextManager, suppress
 from typing import Any
 
 from robophm.stores.alarm_log import MOST_ALARMS, AlarmLog
+from robophm.stores.events import Event, events_of_alarms, latest_events
 
 _TABLE = """CREATE TABLE IF NOT EXISTS alarm (
     number INTEGER PRIMARY KEY AUTOINCREMENT, robot TEXT NOT NULL, what TEXT NOT NULL, begin INTEGER NOT NULL,
@@ -30,12 +31,21 @@ class SqliteAlarms(AlarmLog):
 
     def alarms(self, *, open_only: bool = False, most: int = MOST_ALARMS) -> list[dict[str, Any]]:
         """Return alarms, the latest first."""
-        which = " AND ended IS NULL" if open_only else ""
-        query = f"SELECT {_COLUMNS} FROM alarm WHERE robot = ?{which} ORDER BY begin DESC, number DESC LIMIT ?"
+        return self._found(f"{'AND ended IS NULL' if open_only else ''} ORDER BY begin DESC, number DESC LIMIT ?", most)
+
+    def events(self, start: int, end: int, most: int) -> list[Event]:
+        """Return the begins and ends of a time, the latest; no other alarms than those of them are read."""
+        latest = """AND (begin >= ? AND begin < ? OR ended >= ? AND ended < ?)
+            ORDER BY iif(ended < ?, ended, begin) DESC, iif(ended < ?, 1, 0) DESC, what DESC LIMIT ?"""
+        found = self._found(latest, start, end, start, end, end, end, most)
+        return latest_events(events_of_alarms(found), start, end, most)
+
+    def _found(self, tail: str, *given: int) -> list[dict[str, Any]]:
         with self._errors():
             if not self._base.execute("SELECT count(*) FROM sqlite_schema WHERE name = 'alarm'").fetchone()[0]:
                 return []
-            return [_alarm(row) for row in self._base.execute(query, (self._robot, most))]
+            query = f"SELECT {_COLUMNS} FROM alarm WHERE robot = ? {tail}"
+            return [_alarm(row) for row in self._base.execute(query, (self._robot, *given))]
 
     def keep(self, alarms: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
         """Keep alarms in place of what they were, all of them or none."""
