@@ -30,7 +30,7 @@ class Event(NamedTuple):
     """When [ns since the epoch]; of a breach or a silence the report that was the first to tell of it."""
     kind: Kind
     subject: str
-    """Subject of the event: a figure of a module, a signal, a failure mode, a part, what an alarm is of; "" the robot."""
+    """Subject of the event: a figure of a module, a signal, a failure mode, a part, an alarm; "" the robot."""
     said: str
     """Words for people."""
 
