@@ -117,7 +117,7 @@ def _reports(base: sqlite3.Connection, robot: str) -> Iterator[tuple[Any, ...]]:
             times.update(
                 t for (t,) in base.execute(f"SELECT time FROM report WHERE robot = ? ORDER BY time {order}", (robot,))
             )
-    for time in sorted(times):
+    for time in sorted(one for one in times if isinstance(one, int)):
         with suppress(sqlite3.Error, StoreError, UnicodeError):
             if row := REPORT.get(base, robot, time):
                 yield time, *row
