@@ -13,10 +13,11 @@ import sys
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import norm
 
 from robophm.design.file import parse
 from robophm.learning.rates.failure_log import Seen
-from robophm.learning.rates.fleet import StatedRateRatio
+from robophm.learning.rates.fleet import MEDIAN_SPREAD, StatedRateRatio
 from robophm.learning.rates.rate_update import learn
 
 ROBOTS = 10
@@ -34,6 +35,10 @@ _STATED = 1e-3
 _DESIGN = parse(f"{{schema_version: 1, name: R, components: {{part: {{rate: {_STATED} /h}}}}}}")
 
 
+def _share(spread: float | None) -> str:
+    return "as is likely" if spread is None else f"{spread:.0%}"
+
+
 def _holds(ratio: StatedRateRatio, truth: float) -> bool:
     return ratio.low <= truth <= ratio.high
 
@@ -42,7 +47,8 @@ def _holds(ratio: StatedRateRatio, truth: float) -> bool:
 class OfFleets:
     """Shares of truths that 90 % intervals held, of fleets whose robots differ by so much."""
 
-    spread: float
+    spread: float | None
+    """None: each fleet's is drawn, half-normal of the median that what learns takes for likely."""
     failures: float
     """Of a robot, on average."""
     too_low: float
@@ -52,12 +58,13 @@ class OfFleets:
     mean: float
 
 
-def of_fleets(spread: float, failures: float, too_low: float, fleets: int, rng: np.random.Generator) -> OfFleets:
+def of_fleets(spread: float | None, failures: float, too_low: float, fleets: int, rng: np.random.Generator) -> OfFleets:
     """Fleets of ROBOTS robots; every one ``fleets`` times."""
     (mode,) = _DESIGN.modes
-    sigma = math.sqrt(math.log1p(spread**2))
     held = np.zeros(3)
     for _ in range(fleets):
+        differ = abs(rng.normal(0.0, MEDIAN_SPREAD / norm.ppf(0.75))) if spread is None else spread
+        sigma = math.sqrt(math.log1p(differ**2))
         *ratios, another = (too_low * np.exp(sigma * rng.standard_normal(ROBOTS + 1) - sigma**2 / 2)).tolist()
         worked = failures / (_STATED * too_low) * np.exp(0.5 * rng.standard_normal(ROBOTS) - 0.125)
         seen = []
@@ -88,13 +95,14 @@ def scored(fleets: int = FLEETS, rates: int = RATES, seed: int = 1) -> tuple[lis
         of_fleets(spread, failures, too_low, fleets, rng)
         for too_low in (1.0, 3.0) for spread in SPREADS for failures in FAILURES
     ]  # fmt: skip
-    return of_each, {times: [of_stated_too_low(times, n, rates, rng) for n in SEEN] for times in TOO_LOW}
+    stated = {times: [of_stated_too_low(times, n, rates, rng) for n in SEEN] for times in TOO_LOW}
+    return of_each + [of_fleets(None, failures, 1.0, fleets, rng) for failures in FAILURES], stated
 
 
 def faults(fleets: list[OfFleets], stated: dict[float, list[float]], margin: float = 0.0) -> list[str]:
     """What holds less often than it should, beyond a margin for chance."""
     found = [
-        f"robots that differ by {one.spread:.0%} and fail {one.failures:g} times: that of {name} held {share:.1%}"
+        f"robots that differ by {_share(one.spread)} and fail {one.failures:g} times: that of {name} held {share:.1%}"
         for one in fleets
         for name, share in (("each", one.own), ("the next", one.next), ("their mean", one.mean))
         if share < LEAST - margin
@@ -111,7 +119,8 @@ def text(fleets: list[OfFleets], stated: dict[float, list[float]]) -> list[str]:
     """As tables."""
     lines = ["robots differ   failures of each   stated too low   own     next    mean    (in 90 % intervals)"]
     lines += [
-        f"{one.spread:13.0%} {one.failures:18g} {one.too_low:14g} x {one.own:7.1%} {one.next:7.1%} {one.mean:7.1%}"
+        f"{_share(one.spread):>13} {one.failures:18g} {one.too_low:14g} x"
+        + "".join(f" {share:7.1%}" for share in (one.own, one.next, one.mean))
         for one in fleets
     ]
     lines += ["", "stated too low   " + "".join(f"{n:6d}." for n in SEEN) + " failure"]

@@ -187,7 +187,7 @@ def main() -> None:
         begun = time.perf_counter(), time.process_time()
         report = replay(robot, Hours(YEAR), store=store)
         wall, cpu = time.perf_counter() - begun[0], time.process_time() - begun[1]
-        kept, reports = (Path(folder) / "year.db").stat().st_size, len(list(store.history(robot.name)))
+        kept, reports = (Path(folder) / "year.db").stat().st_size, len(list(store.history(robot.name).reports()))
     count = YEAR * 3600 * RATE * CHANNELS
     print(
         f"{count:,} samples, {report.clocks['operating']:,.2f} h, reliability {report.system.sensor_based.reliability}"

@@ -1,4 +1,4 @@
-"""A sample of a signal of wear as it comes live, into readings that are NumPy's, also while wear is foretold."""
+"""A sample of a signal of wear as it comes live, into readings that are NumPy's, and a forecast by long courses."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ import numpy as np
 from benchmarks import Line, agree, benchmark
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
+from robophm.learning.wear.among_others import Unit, forecast_among
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.wear_watch import WearWatch
 
 PARTS, MINUTES = 20, 10
+READINGS, TEACHERS = 1000, 50
 START = 1_700_000_040 * SECOND
 
 DESIGN = "schema_version: 1\nname: worn\ncomponents:\n" + "".join(
@@ -31,11 +33,30 @@ def course() -> tuple[np.ndarray, list[Sample]]:
 
 
 def taken(monitor: Monitor, samples: Sequence[Sample]) -> float:
-    """Mean of the seconds until the monitor had taken a sample in."""
-    begun = time.perf_counter()
+    """Mean of the seconds of a processor until the monitor had taken a sample in."""
+    begun = time.thread_time()
     for sample in samples:
         monitor.observe(sample)
-    return (time.perf_counter() - begun) / len(samples)
+    return (time.thread_time() - begun) / len(samples)
+
+
+def crack(life: float, until: float, rng: np.random.Generator) -> Unit:
+    """A unit that grows as a crack does to 1 at the end of its life, with so many readings."""
+    times = np.linspace(0.0, until, READINGS)
+    return Unit(times, 0.1 / (1 - 0.9 * times / life) + 0.001 * rng.standard_normal(READINGS))
+
+
+@benchmark
+def long_courses() -> Iterator[Line]:
+    rng = np.random.default_rng(2)
+    mine = crack(1000.0, 700.0, rng)
+    others = [crack(life, 1.02 * life, rng) for life in 1000 * np.exp(0.1 * rng.standard_normal(TEACHERS))]
+    for name, teachers in (("alone", ()), (f"with {TEACHERS} others of as many", others)):
+        begun = time.process_time()
+        said = forecast_among(teachers, mine.times, mine.values, 1.0).remaining
+        took = time.process_time() - begun
+        agree(f"what is left, {name}", [said.low <= 300 <= said.high], [1.0], 0.0)
+        yield Line(f"a forecast of wear by {READINGS:,} readings, {name} (of a processor)", took)
 
 
 @benchmark
@@ -49,7 +70,7 @@ def live_reading() -> Iterator[Line]:
         assert mode.wear
         read = settled.wear[mode.key].readings(mode.wear)
         agree(f"readings of p{i}", read.values, values[:, i].reshape(MINUTES, 60).mean(axis=1), 1e-9)
-    work = f"a live sample of wear into its reading, {PARTS} worn parts"
+    work = f"a live sample of wear into its reading, {PARTS} worn parts (of a processor)"
     yield Line(work, alone, per_second=f"{1 / alone:.2g} samples/s")
     watching = WearWatch(robot)
     watching.renew_soon(monitor.ledger)

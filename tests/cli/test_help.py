@@ -1,16 +1,21 @@
 """The command line for people: groups of commands, one name for one thing, shells, standard input, extras."""
 
 import json
+import os
+import pty
 import re
+import select
+import signal
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
+from shutil import which
 
 import pytest
 import typer
 
-from robophm.cli.app import COMMANDS, FORMER, GROUPS, app
+from robophm.cli.app import COMMANDS, FORMER, GROUPS, SOUGHT, app
 from robophm.cli.doctor import EXTRAS
 from robophm.cli.shared.options import operating_time
 from robophm.core.errors import RobophmError
@@ -61,6 +66,13 @@ def test_a_former_name_is_taken_and_said(inside, design):
     assert (now.stderr, then.stderr) == ("", "note: --hours of show is called --at now\n")
 
 
+def test_a_command_is_found_by_what_people_call_it(inside):
+    now, sought = inside("new", "--help"), inside("draft", "--help")
+    assert (sought.returncode, sought.stdout) == (now.returncode, now.stdout) == (0, now.stdout)
+    assert sought.stderr == "note: draft is called new\n"
+    assert not SOUGHT.keys() & COMMANDS.keys()
+
+
 @pytest.mark.parametrize(("text", "hours"), [("50", 50), (50.0, 50), ("50 h", 50), ("2 week", 336), ("1e3", 1000),
                                              ("90 min", 1.5), ("0", 0)])  # fmt: skip
 def test_times_of_operation_are_hours_or_have_a_unit(text, hours):
@@ -92,6 +104,63 @@ def test_a_real_bash_completes(tmp_path, words, found):
     )
     done = subprocess.run(["bash", script], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert found <= set(done.stdout.split())
+
+
+def without(shell):
+    """Whether a shell is not here, and what is said then."""
+    return pytest.mark.skipif(which(shell) is None, reason=f"no {shell} (sudo sh tools/ros-peers installs it)")
+
+
+@pytest.fixture
+def program(tmp_path, monkeypatch):
+    """``robophm`` as a shell finds it; a shell is told by the process that asks for its script."""
+    path = tmp_path / "bin" / "robophm"
+    path.parent.mkdir()
+    path.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m robophm "$@"\n')
+    path.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{path.parent}:{os.environ['PATH']}")
+    monkeypatch.chdir(tmp_path)
+    return path
+
+
+@without("fish")
+def test_a_real_fish_completes(program):
+    script = "robophm --show-completion | source; complete -C 'robophm im'; complete -C 'robophm show robot.yaml --a'"
+    done = subprocess.run(["fish", "--no-config", "-c", script], capture_output=True, text=True, check=True)
+    found = {line.partition("\t")[0] for line in done.stdout.splitlines()}
+    assert found == {"import-bom", "import-legacy", "importance", "--at"}
+    assert "What matters most to a robot's health" in done.stdout
+
+
+@without("zsh")
+def test_a_real_zsh_completes(program):
+    """On a terminal, for it completes nowhere else: what is typed is completed as far as it is plain, then listed."""
+    child, terminal = pty.fork()
+    if not child:
+        os.environ.update(PS1="> ", TERM="dumb", SHELL="zsh")
+        os.execvp("zsh", ["zsh", "-f", "-i"])
+    told = b""
+
+    def until(*words):
+        nonlocal told
+        while not all(word.encode() in told for word in words):
+            ready, _, _ = select.select([terminal], [], [], 300)
+            assert ready, told
+            told += os.read(terminal, 4096)
+        told = b""
+
+    try:
+        os.write(terminal, b"autoload -Uz compinit && compinit -u -D; robophm --show-completion >complete.zsh; ")
+        os.write(terminal, b"source complete.zsh; print re''ady\n")
+        until("ready")
+        os.write(terminal, b"robophm im\t")
+        until("import")
+        os.write(terminal, b"\t")
+        until("import-bom", "import-legacy", "importance", "What matters most")
+    finally:
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+        os.close(terminal)
 
 
 def test_standard_input_is_read_where_a_file_is(run, design):

@@ -3,9 +3,7 @@
 import hashlib
 import json
 import re
-import sqlite3
 import sys
-from contextlib import closing
 from importlib.metadata import version
 
 import pytest
@@ -41,11 +39,11 @@ def test_it_says_which_design_and_which_data_it_is_made_of(inside, run, design, 
     for options in (("--to", "design.html"), ("--store", "past.db", "--to", "lived.html")):
         assert inside("report", design, *options).returncode in (0, 1)
     replayed, alone, lived = (hashes(tmp_path / f"{name}.html") for name in ("replayed", "design", "lived"))
-    with closing(sqlite3.connect(tmp_path / "past.db")) as store, store:
-        ledger = json.loads(store.execute("SELECT state FROM ledger").fetchone()[0])
-        reports = [json.loads(body) for (body,) in store.execute("SELECT body FROM report ORDER BY time")]
-    content = json.dumps([ledger, reports], sort_keys=True, separators=(",", ":"))
-    assert lived == replayed == [robophm.load(design).design_hash, hashlib.sha256(content.encode()).hexdigest()]
+    robot = robophm.load(design)
+    with robophm.open_store(tmp_path / "past.db") as store:
+        past = [store.ledger(robot.identity), store.history(robot.identity).figures().to_json()]
+    content = json.dumps(past, sort_keys=True, separators=(",", ":"))
+    assert lived == replayed == [robot.design_hash, hashlib.sha256(content.encode()).hexdigest()]
     assert alone == lived[:1]
     text = (tmp_path / "lived.html").read_text()
     assert f"numpy {version('numpy')}" in text

@@ -49,7 +49,7 @@ def test_the_ledger_is_that_of_before_the_jump(inside, tmp_path, poisoned):
     assert "As it was: past.db.before-repair" in done.stdout
     with SqliteStore(tmp_path / "past.db") as store:
         ledger = store.ledger("R")
-        assert [report["time"] for report in store.history("R")] == [START + 60 * SECOND]
+        assert [report["time"] for report in store.history("R").reports()] == [START + 60 * SECOND]
     assert ledger["integrated_to"] == good.integrated_to
     now = type(good).of(robot, ledger)
     for name in ("age", "effective", "hazard", "clocks"):

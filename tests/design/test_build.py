@@ -345,7 +345,7 @@ def test_usage_thresholds_and_silence():
     )
     assert (found.usage.operating, found.usage.kilometres, found.usage.cycles) == (0.25, 0.5, 0)
     assert found.max_gap == 120 * 10**9
-    assert found.thresholds.hazard_rate == pytest.approx(1e-3, rel=1e-15)
+    assert found.thresholds.hazard_rate.limit == pytest.approx(1e-3, rel=1e-15)
     assert found.components[0].monitored
 
 

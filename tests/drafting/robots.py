@@ -1,4 +1,4 @@
-"""Four robots as a new user would have them: a description, ten minutes of recordings, and what is said of it.
+"""Robots as a new user would have them: a description, ten minutes of recordings, and what is said of it.
 
 The recordings are made here, message by message; what the first two are described by is in shared/robots.
 """
@@ -18,6 +18,8 @@ from rosbags.typesys import Stores, get_typestore
 
 from robophm.core.signal import SECOND
 
+from .px4_flight import fly
+
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "tests" / "data" / "robots"
 START, SPAN = 1_790_000_000, 600
@@ -33,11 +35,20 @@ class NewRobot:
 
     name: str
     urdf: Path
-    messages: Callable[[], Iterator[Message]]
+    recorded: Callable[[Path], Path]
+    """Writes its recording into a folder."""
     said: Mapping[str, str] = field(default_factory=dict)
     """Answers to questions, at most seven."""
     expects: tuple[str, ...] = ()
     """Entries of the library that must be in the draft."""
+    held: bool = True
+    """Whether the ranges of the draft hold the figures of the design by hand: not where gears of an arm are drafted to
+    turn at rated speed all the time."""
+
+    @property
+    def by_hand(self) -> Path:
+        """A careful design of it from sources of its own."""
+        return DATA / f"{self.name.removesuffix('_px4')}_by_hand.yaml"
 
 
 def build(type_: str, fields: Mapping[str, Any]) -> Any:
@@ -190,17 +201,27 @@ def quadrotor() -> Iterator[Message]:
 
 
 def robots(shared: Path) -> list[NewRobot]:
-    """All four; those of shared/robots where that folder is."""
+    """All of them; two are described in shared/robots, where that folder is."""
     there = shared / "robots"
+
+    def as_mcap(name: str, messages: Callable[[], Iterator[Message]]) -> Callable[[Path], Path]:
+        return lambda folder: record(folder / f"{name}.mcap", messages())
+
+    def px4_log(folder: Path) -> Path:
+        return fly(folder / "flight.ulg")
+
+    flown = ("drone_motor", "esc", "propeller", "gnss_receiver", "flight_controller", "battery_lipo")
     return [
-        NewRobot("turtlebot3", there / "burger.urdf", turtlebot,
+        NewRobot("turtlebot3", there / "burger.urdf", as_mcap("turtlebot3", turtlebot),
                  {"hours": "4", "battery": "lipo", "drive": "dynamixel"},
                  ("smart_servo", "drive_wheel", "lidar_2d_low_cost", "imu", "battery_lipo_robot",
                   "single_board_computer")),
-        NewRobot("so101", there / "so101.urdf", so101, {"hours": "2", "computer": "none"},
+        NewRobot("so101", there / "so101.urdf", as_mcap("so101", so101), {"hours": "2", "computer": "none"},
                  ("smart_servo", "power_supply")),
-        NewRobot("six_axis_arm", DATA / "six_axis_arm.urdf", arm, {"hours": "16", "where": "factory"},
-                 ("strain_wave_gear", "servo_motor", "holding_brake", "force_torque_sensor", "industrial_pc")),
-        NewRobot("quadrotor", DATA / "quadrotor.urdf", quadrotor, {"hours": "1"},
-                 ("drone_motor", "esc", "propeller", "gnss_receiver", "flight_controller", "battery_lipo")),
+        NewRobot("six_axis_arm", DATA / "six_axis_arm.urdf", as_mcap("six_axis_arm", arm),
+                 {"hours": "16", "where": "factory"},
+                 ("strain_wave_gear", "servo_motor", "holding_brake", "force_torque_sensor", "industrial_pc"),
+                 held=False),
+        NewRobot("quadrotor", DATA / "quadrotor.urdf", as_mcap("quadrotor", quadrotor), {"hours": "1"}, flown),
+        NewRobot("quadrotor_px4", DATA / "quadrotor.urdf", px4_log, {"hours": "1"}, flown),
     ]  # fmt: skip

@@ -1,11 +1,15 @@
 """Files that are handed in: told by content, kept in one folder within bounds; what is refused leaves nothing."""
 
 import pytest
+from pymavlink.dialects.v20 import all as dialect
 
 from robophm.core.errors import RobophmError
 from robophm.drafting import received
-from robophm.drafting.received import ReceivedFiles, file_name
+from robophm.drafting.received import ReceivedFiles, endings, file_name
 
+from ..transports.recordings import test_dataflash as dataflash
+from ..transports.recordings import test_ulog as ulog
+from ..transports.written.mavlink import logged, sender
 from .robots import joints, record
 
 URDF = """<robot name="cart"><link name="base"/><link name="wheel_left_link"/>
@@ -38,6 +42,16 @@ def test_a_file_is_told_by_its_content(files, tmp_path):
     assert {one.name: one.kind for one in files.all()} == {
         "cart.xml": "description", "drive.data": "recording", "board.csv": "parts list", "battery.csv": "recording",
     }  # fmt: skip
+
+
+def test_logs_of_autopilots_are_recordings_and_their_endings_are_said(files):
+    attitude = dialect.MAVLink_attitude_message(1, 0.5, 0, 0, 0, 0, 0)
+    station = logged(1_750_000_000_000_000, attitude, sender()) + logged(1_750_000_001_000_000, attitude, sender())
+    logs = {"flight.bin": dataflash.flight(), "flight.tlog": station, "flight.ulg": ulog.flight()}
+    for name, content in logs.items():
+        hand_in(files, name, content)
+    assert {one.name: one.kind for one in files.all()} == dict.fromkeys(logs, "recording")
+    assert {name.removeprefix("flight") for name in logs} <= set(endings()["recording"])
 
 
 @pytest.mark.parametrize(

@@ -123,6 +123,18 @@ def test_answers_are_drawn(folder):
     }
     (points, _) = robophm.plot(robophm.fit([410, 620, 730, 880])).get_lines()
     assert points.get_xdata().tolist() == [410, 620, 730, 880]
+    worn = robophm.wear("robot.yaml", "readings.csv", "bearing", threshold=2.5)
+    readings, threshold, reached = robophm.plot(worn).get_lines()
+    assert readings.get_xdata().tolist() == [10 * i for i in range(120)]
+    assert threshold.get_ydata()[0] == 2.5
+    assert reached.get_xdata()[0] == pytest.approx(1.5 / 0.0004, rel=0.1)  # 0.0004 an hour from 1 up to 2.5
+    rows = [f"r{i},task,{i},0.9,{0 if i % 10 == 0 else 1},fetch" for i in range(200)]
+    (folder / "predictions.csv").write_text("\n".join(["robot,kind,time,probability,outcome,task", *rows]))
+    drawn = robophm.plot(robophm.calibrate("predictions.csv")).get_lines()
+    (point,) = [line for line in drawn if line.get_marker() == "o"]
+    assert (point.get_xdata()[0], point.get_ydata()[0]) == (pytest.approx(0.1), pytest.approx(0.1))
+    with pytest.raises(robophm.RobophmError, match="cannot be drawn; expected a report"):
+        robophm.plot(robophm.load("robot.yaml"))
 
 
 @pytest.mark.parametrize(("module", "ask"), [("pandas", robophm.frame), ("matplotlib.pyplot", robophm.plot)])

@@ -20,6 +20,7 @@ FUNCTIONS = {
     )},
 }  # fmt: skip
 OF_THE_TERMINAL = {
+    "alarms": "prints a log, which a program has from a store: alarm_log(robot.identity)",
     "data": "a program reads columns by robophm.measured, which the command prints",
     "demo": "shows the commands one after another",
     "doctor": "tells of this machine what `robophm` needs of it",

@@ -52,7 +52,7 @@ def is_as_if_undisturbed(design: Path, recordings: Path, store: Path) -> None:
     expected = replay(robot, recordings, store=undisturbed, period=1, report_every=2)
     with SqliteStore(store) as kept:
         assert kept.ledger(robot.name) == undisturbed.ledger(robot.name)
-        assert list(kept.history(robot.name)) == list(undisturbed.history(robot.name))
+        assert list(kept.history(robot.name).reports()) == list(undisturbed.history(robot.name).reports())
         found = replay(robot, recordings, store=kept, period=1, report_every=2)
         assert kept.ledger(robot.name) == undisturbed.ledger(robot.name)
     assert found.to_json() == expected.to_json()

@@ -223,8 +223,8 @@ def test_a_recording_by_column_and_by_sample(tmp_path: Path, suffix: str) -> Non
         reports = [replay(robot, source, store=store) for source, store in zip((samples, columns), stores, strict=True)]
     assert reports[0] == reports[1]
     assert in_order(stores[0].ledger(robot.name)) == in_order(stores[1].ledger(robot.name))
-    assert list(stores[0].history(robot.name)) == list(stores[1].history(robot.name))
-    assert len(list(stores[1].history(robot.name))) > 10
+    assert list(stores[0].history(robot.name).reports()) == list(stores[1].history(robot.name).reports())
+    assert len(list(stores[1].history(robot.name).reports())) > 10
 
 
 @pytest.mark.parametrize("name", ["turtlesim.bag", "temperature.bag"])

@@ -74,7 +74,11 @@ def test_watching_goes_on_through_a_jump_and_says_so(design: Robot) -> None:
     assert [words.split(":")[0] for words in said] == [
         "the clock jumped ahead by 97,912 h", "the clock is right again"
     ]  # fmt: skip
-    watch(design, Said(run(START + HOUR, 100)), store=store)  # and it is not ahead of what is heard
+    assert not [event for event in store.history(design.identity).events() if event.kind == "restart"]
+    again = run(START + HOUR, 100)
+    watch(design, Said(again), store=store)  # and it is not ahead of what is heard
+    restarts = [event.time for event in store.history(design.identity).events() if event.kind == "restart"]
+    assert restarts == [again[0].time]
 
 
 def test_a_clock_that_goes_back_is_said_at_once(design: Robot) -> None:

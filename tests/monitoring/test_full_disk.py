@@ -98,7 +98,7 @@ def test_a_disk_that_is_full_for_a_while(small_disk: Path, monkeypatch: pytest.M
     assert any(note.endswith("run.journal: not written, No space left on device") for note in told.said)
     with SqliteStore(small_disk / "past.db") as store:
         assert store.ledger("R") == whole.ledger("R")
-        assert len(list(store.history("R"))) == len(list(whole.history("R")))
+        assert len(list(store.history("R").reports())) == len(list(whole.history("R").reports()))
     recording = JournalRecording(journal)
     heard = [sample.time for sample in recording.samples([T]) if sample.signal == T]
     lost = {START + second * SECOND for second in range(600)} - {*heard}

@@ -55,11 +55,15 @@ def test_three_formats_are_one_drive(ota: Robot, recorded: dict[str, Path]) -> N
 def test_a_recording_is_counted_once_in_whatever_pieces(ota: Robot, recorded: dict[str, Path]) -> None:
     store = MemoryStore()
     first = replay(ota, recorded[".mcap"], store=store, period=20, report_every=60)
-    kept, history = store.ledger(ota.name), list(store.history(ota.name))
+    kept, history = store.ledger(ota.name), list(store.history(ota.name).reports())
     start = SyntheticOta(duration=SECOND).times[0]
     assert [(one["time"] - start) / SECOND for one in history] == [20, 60, 120, 180]  # the first, and every minute
     again = replay(ota, recorded[".mcap"], store=store, period=20, report_every=60)
-    assert (again.to_json(), store.ledger(ota.name), list(store.history(ota.name))) == (first.to_json(), kept, history)
+    assert (again.to_json(), store.ledger(ota.name), list(store.history(ota.name).reports())) == (
+        first.to_json(),
+        kept,
+        history,
+    )
 
 
 def test_a_replay_killed_again_and_again_ends_as_one_that_was_not(

@@ -40,7 +40,7 @@ def drive(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
 def past(robot: Robot, *paths: Path, period: float = 20.0) -> tuple[object, list[object]]:
     store = MemoryStore()
     replay(robot, list(paths), store=store, period=period, report_every=60)
-    return store.ledger(robot.name), list(store.history(robot.name))
+    return store.ledger(robot.name), list(store.history(robot.name).reports())
 
 
 def test_one_ledger_however_a_drive_lies(ota: Robot, drive: tuple[Path, Path], tmp_path: Path) -> None:

@@ -124,7 +124,7 @@ def test_what_wear_finds_is_what_every_figure_has(lived, journal, tmp_path):
     with SqliteStore(tmp_path / "store.db") as store:
         report = replay(ROBOT, journal, store=store)
         ledger = Ledger.of(ROBOT, store.ledger("cart"))
-        kept = list(store.history("cart"))
+        kept = list(store.history("cart").reports())
     by_mode = {one.mode: one for one in report.wear}
     assert by_mode["motor/brushes"].state == "foretold"
     assert by_mode["fan"].state == "no trend"

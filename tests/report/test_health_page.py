@@ -58,8 +58,8 @@ def page():
     day = SyntheticOta(seed=3, start=1_709_553_600 * SECOND, duration=20 * HOUR, period=5 * SECOND)
     store = MemoryStore()
     report = replay(robot, day, store=store)
-    history = list(store.history(robot.name))
-    return robot, report, history
+    series = store.history(robot.name).figures()
+    return robot, report, series
 
 
 def outline(html):
@@ -80,8 +80,8 @@ def test_it_is_whole_and_harmless(page):
 
 
 def test_it_says_what_the_report_says(page):
-    robot, report, history = page
-    text = outline(health_page(robot, report, history)).text
+    robot, report, series = page
+    text = outline(health_page(robot, report, series)).text
     for part in (
         "Hazard rate now",
         "Reliability",
@@ -103,7 +103,7 @@ def test_it_says_what_the_report_says(page):
         "conservative",
     )
     assert "".join(cells) in bound.replace("\n", "")
-    assert len(history) > 20
+    assert len(series.times) > 20
 
 
 def test_what_is_breached_passed_and_left_out_stands_in_sections_of_its_own():
@@ -113,7 +113,7 @@ name: watched
 thresholds: {hazard_rate: 1e-4 /h, warning: {hazard_rate: 1e-5 /h}}
 components: {motor: {rate: 1e-3 /h}, horn: {rate: unknown}}
 """)
-    html = health_page(robot, Monitor(robot).report(), [])
+    html = health_page(robot, Monitor(robot).report())
     assert "&lt;" not in html
     for title in ("Thresholds breached", "Thresholds of a warning passed", "Parts of unknown rate"):
         assert f"<h2>{title}</h2>" in html
@@ -125,10 +125,10 @@ def test_the_same_inputs_give_the_same_bytes(page):
 
 
 def test_no_line_is_drawn_across_a_night_off(page):
-    """Each course as recorded has two pieces, the afternoon and the morning."""
+    """Each series as recorded has two pieces, the afternoon and the morning."""
     recorded = health_page(*page).split("<h2>Curves</h2>")[1].split("as recorded")[0]
     courses = re.findall(r'<path[^>]*class="line[^>]*>', recorded)
-    drawn = [d for course in courses if "L" in (d := re.search(r' d="([^"]*)"', course)[1])]  # the legend's have none
+    drawn = [d for series in courses if "L" in (d := re.search(r' d="([^"]*)"', series)[1])]  # the legend's have none
     assert [d.count("M") for d in drawn] == [2, 2]
 
 

@@ -22,6 +22,8 @@ import pytest
 from robophm.core import registry
 from robophm.core.errors import StoreError
 from robophm.stores import existing_store, open_store, place_of, store_exists, stores
+from robophm.stores._tables import VERSION
+from robophm.stores.events import Event
 from robophm.stores.sqlite import SqliteStore
 from robophm.stores.store import Progress, Store
 
@@ -48,7 +50,7 @@ def test_what_is_not_there(store: Store) -> None:
     assert store.ledger("R") is None
     assert store.robots() == []
     assert store.progress("R", "drive") == Progress("drive", 0, False)
-    assert list(store.history("R")) == []
+    assert list(store.history("R").reports()) == []
 
 
 def test_what_is_read_is_what_was_saved_bit_for_bit(store: Store) -> None:
@@ -59,7 +61,7 @@ def test_what_is_read_is_what_was_saved_bit_for_bit(store: Store) -> None:
     assert store.robots() == ["R", "S"]
     assert store.progress("R", "drive") == Progress("drive", 7, False)
     assert store.progress("S", "drive") == Progress("drive", 0, False)
-    assert list(store.history("S")) == []
+    assert list(store.history("S").reports()) == []
 
 
 def test_a_store_keeps_its_own_copy(store: Store) -> None:
@@ -71,9 +73,10 @@ def test_a_store_keeps_its_own_copy(store: Store) -> None:
 
 
 def test_history_is_in_order_and_a_time_is_told_once(store: Store) -> None:
-    store.save("R", STATE, (), [report(30, 0.3), report(2**62, 0.9)])
-    store.save("R", STATE, (), [report(4, 0.4), report(30, 0.5)])
-    assert list(store.history("R")) == [report(4, 0.4), report(30, 0.5), report(2**62, 0.9)]
+    late = 2**62
+    store.save("R", STATE, (), [report(late - 30, 0.3), report(late, 0.9)])
+    store.save("R", STATE, (), [report(late - 40, 0.4), report(late - 30, 0.5)])
+    assert list(store.history("R").reports()) == [report(late - 40, 0.4), report(late - 30, 0.5), report(late, 0.9)]
 
 
 def test_progress_follows_the_last_save(store: Store) -> None:
@@ -92,7 +95,7 @@ def test_a_save_that_fails_leaves_all_as_it_was(store: Store, place: str) -> Non
         store.save("R", ledger, [Progress("drive", 9, True)], reports)
     assert store.ledger("R") == STATE
     assert store.progress("R", "drive") == Progress("drive", 7, False)
-    assert list(store.history("R")) == [report(1, 0.1)]
+    assert list(store.history("R").reports()) == [report(1, 0.1)]
     store.save("R", OTHER)  # and it can go on
     assert store.ledger("R") == OTHER
 
@@ -109,7 +112,7 @@ def test_what_lasts_is_there_when_it_is_opened_again(address: str) -> None:
     with existing_store(address) as store:
         assert json.dumps(store.ledger("R")) == json.dumps(STATE)
         assert store.progress("R", "drive") == Progress("drive", 7, False, {"a note": 3})
-        assert list(store.history("R")) == [report(1, 0.3), report(2, 0.2)]
+        assert list(store.history("R").reports()) == [report(1, 0.3), report(2, 0.2)]
         assert (store.ledger("S"), store.progress("S", "drive")) == (OTHER, Progress("drive", 9, True))
 
 
@@ -181,6 +184,7 @@ def test_a_store_of_another_package(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         "from robophm.stores.memory import MemoryStore\n\n\nclass TheirStore(MemoryStore):\n    pass\n"
     )
     monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.delitem(sys.modules, "their_store", raising=False)
     entry = EntryPoint("theirs", "their_store", "robophm.stores")
     monkeypatch.setattr(registry, "entry_points", lambda *, group, name=None: [entry] if group == entry.group else [])
     assert stores() == ["memory", "sqlite", "theirs"]
@@ -194,8 +198,8 @@ def test_a_reader_beside_the_writer_sees_all_of_a_save_or_nothing(tmp_path: Path
     with SqliteStore(tmp_path / "robots.db") as writer, SqliteStore(tmp_path / "robots.db") as reader:
         writer.save("R", STATE)
         with pytest.raises(StoreError):  # the last of its rows cannot be kept
-            writer.save("R", OTHER, [Progress("drive", 7, True)], [report(1, 0.1), {"time": None}])
-        assert (reader.ledger("R"), list(reader.history("R"))) == (STATE, [])
+            writer.save("R", OTHER, [Progress("drive", 7, True)], [report(1, 0.1)], [Event(1, "alarm", None, "")])  # type: ignore[arg-type]
+        assert (reader.ledger("R"), list(reader.history("R").reports())) == (STATE, [])
         assert reader.progress("R", "drive").position == 0
 
 
@@ -208,7 +212,7 @@ def other_tables(path: Path) -> None:
 def later_version(path: Path) -> None:
     SqliteStore(path).close()
     with closing(sqlite3.connect(path)) as base, base:
-        base.execute("PRAGMA user_version = 4")
+        base.execute(f"PRAGMA user_version = {VERSION + 1}")
     base.close()
 
 
@@ -245,6 +249,8 @@ def test_what_is_no_store_is_refused_in_one_line(
 SAVING = """
 import json, os, resource, signal, sys
 from robophm.core.errors import StoreError
+from robophm.stores.events import Event
+from robophm.stores._tables import VERSION
 from robophm.stores.sqlite import SqliteStore
 path, limit, user = sys.argv[1], *map(int, sys.argv[2:])
 if user:
@@ -280,7 +286,7 @@ def test_a_full_disk_is_an_error_and_loses_nothing(tmp_path: Path) -> None:
         ledger = store.ledger("R")
         assert ledger
         assert ledger["round"] == int(saved[-1])
-        assert [one["time"] for one in store.history("R")] == [int(i) for i in saved]
+        assert [one["time"] for one in store.history("R").reports()] == [int(i) for i in saved]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs users and permissions")

@@ -12,6 +12,7 @@ import pytest
 
 from robophm.core.errors import StoreError
 from robophm.stores import restore_store
+from robophm.stores.events import Event
 from robophm.stores.sqlite import SqliteStore
 from robophm.stores.store import Progress
 
@@ -24,10 +25,20 @@ def content(path: Path) -> dict[str, Any]:
         return {
             robot: [
                 store.ledger(robot), store.progress(robot, "drive"), store.progress(robot, "other"),
-                list(store.history(robot)),
+                list(kept.reports()), [one.to_json() for one in kept.events()], kept.figures().to_json(),
+                [kept.report_at(time) for time in (-1, 4, 10**9)],
             ]
-            for robot in (*store.robots(), *ROBOTS)
+            for robot in (*store.robots(), *ROBOTS) for kept in [store.history(robot)]
         }  # fmt: skip
+
+
+def report(time: int, chance: random.Random) -> dict[str, Any]:
+    views = {
+        view: {"hazard_rate": chance.random(), "unreliability": chance.random()} for view in ("nominal", "sensor_based")
+    }
+    robot = {"kind": "robot", "path": "R", "flags": ["stale /a.b"] * (time % 2), "breaches": [], **views}
+    more = [chance.random() for _ in range(40)]
+    return {"time": time, "state": "ok", "clocks": {"operating": chance.random()}, "subjects": [robot], "more": more}
 
 
 @pytest.fixture(scope="module")
@@ -40,8 +51,8 @@ def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
             for robot in ROBOTS:
                 state = {"age": [chance.random() for _ in range(60)], "round": round_}
                 done = [Progress("drive", round_, round_ > 1), Progress("other", 10**18 + round_, True, {"a note": 2})]
-                reports = [{"time": 100 * round_ + i, "rates": [chance.random() for _ in range(40)]} for i in range(8)]
-                store.save(robot, state, done, reports)
+                reports = [report(100 * round_ + i, chance) for i in range(8)]
+                store.save(robot, state, done, reports, [Event(round_, "restart", "", "begun")])
     return path
 
 

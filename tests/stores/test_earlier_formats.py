@@ -57,7 +57,7 @@ def test_all_that_was_kept_is_there(kept: Path) -> None:
     done = rows(kept, "SELECT recording, complete FROM progress")
     with SqliteStore(kept) as store:
         assert store.ledger("R") == json.loads(before)
-        assert list(store.history("R")) == reports
+        assert list(store.history("R").reports()) == reports
         assert [(name, int(store.progress("R", name).complete)) for name, _ in done] == done
     with SqliteStore(kept) as store:  # and is so when it is opened again
         assert store.ledger("R") == json.loads(before)
@@ -110,7 +110,7 @@ def test_a_move_that_ends_on_the_way_leaves_the_store_as_it_was(kept: Path, monk
     def full(*_: object) -> None:
         raise sqlite3.OperationalError("database or disk is full")
 
-    monkeypatch.setattr("robophm.stores._tables.make_tables", full)
+    monkeypatch.setattr("robophm.stores.migration.make_tables", full)
     with pytest.raises(StoreError, match="disk is full"):
         SqliteStore(kept)
     now = rows(kept, "SELECT * FROM ledger"), rows(kept, "SELECT * FROM report"), rows(kept, "PRAGMA user_version")

@@ -20,6 +20,7 @@ COMMANDS = {
     "wear": "The wear that signals show: trend, change, and what remains of parts and robot.",
     "fmeca": "Failure modes, effects and criticality, the effects from the robot's structure.",
     "diagnose": "What sees which failure, which it is given the alarms, and which sensor would tell most.",
+    "history": "A robot's figures and what happened to it, over any stretch of its past.",
     "serve": "The page: design a robot, bind its sensors and watch its health, in any browser.",
     "report": "Write a robot's health on one page that needs nothing else, not even JavaScript.",
     "check": "Say whether a design is valid, and what in it is odd.",
@@ -45,6 +46,7 @@ COMMANDS = {
     "simulate": "Let robots of a design work and really fail: their recordings, tasks and failures.",
     "doctor": "Say what is installed here and whether it works.",
     "data": "Look at measured data: `robophm data BAGS` lists it.",
+    "alarms": "The alarms of a robot: which go on, since when and why, and who has taken note of them.",
     "store": "Look after a store, where a robot's past is kept.",
 }  # fmt: skip
 """Each with the first line of its help."""
@@ -52,7 +54,18 @@ COMMANDS = {
 GROUPS = {
     "A robot's design": ("new", "bind", "check", "show", "import-bom", "import-legacy", "schema"),
     "Rates of parts": ("parts", "models", "rate"),
-    "Health, recorded and live": ("replay", "watch", "topics", "report", "serve", "data", "service", "store"),
+    "Health, recorded and live": (
+        "replay",
+        "watch",
+        "topics",
+        "report",
+        "history",
+        "serve",
+        "alarms",
+        "data",
+        "service",
+        "store",
+    ),
     "What lies ahead, and why": ("predict", "task", "importance", "why"),
     "Structure and faults": ("cutsets", "fault-tree", "fmeca", "diagnose"),
     "Learning and upkeep": ("learn", "fit", "wear", "maintain", "calibrate"),
@@ -68,12 +81,16 @@ FORMER = {
 }  # fmt: skip
 """Options that had another name."""
 
+SOUGHT = {"draft": "new"}
+"""Commands by what people call them."""
+
 
 class _Commands(CommandGroup):
     package = "robophm.cli"
     lines = COMMANDS
     groups = GROUPS
     former = FORMER
+    sought = SOUGHT
 
     def invoke(self, ctx: Any) -> Any:
         """Lets no library decide the exit code: typer makes 1 of these two, whoever raised them."""

@@ -75,7 +75,7 @@ def command(
                 report = replay(robot, source, store=store, on_tick=look)
         else:
             report = replay(robot, source, store=store)
-        history, ledger = list(store.history(robot.identity)), store.ledger(robot.identity)
+        series, ledger = store.history(robot.identity).figures(), store.ledger(robot.identity)
         messages = {info.topic: info.messages for info in source.topics()}
         samples = sum(messages[split_signal(signal)[0]] for signal in robot.signals)
     took = time.monotonic() - begun
@@ -84,12 +84,12 @@ def command(
     )
     print_report(report, "1/h")
     out.print()
-    rates = [entry["subjects"][0]["sensor_based"]["hazard_rate"] for entry in history]
+    rates = series.of("hazard_rate.sensor_based")[1].tolist()
     out.print(
         f"λ sensor-based over the day  {sparkline(rates, 60)}  {rate_text(min(rates))} … {rate_text(max(rates))}",
         markup=False,
     )
-    write(page, health_page(robot, report, history, ledger))
+    write(page, health_page(robot, report, series, ledger))
     out.print(f"\nReport: {page.resolve()}", markup=False, soft_wrap=True)
     show_page(output / "robophm-demo.yaml", seed)
 

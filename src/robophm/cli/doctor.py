@@ -24,6 +24,7 @@ EXTRAS = {
     "notebook": ("data frames and plots in Python", ("pandas", "matplotlib")),
     "parquet": ("tables in Parquet", ("pyarrow",)),
     "protobuf": ("messages of Protocol Buffers in MCAP", ("protobuf",)),
+    "remote": ("recordings on web servers and in object storage", ("obstore",)),
     "px4": ("logs of PX4", ("pyulog",)),
     "mavlink": ("telemetry logs of ground stations", ("pymavlink",)),
     "pdf": ("reports as PDF", ("weasyprint",)),

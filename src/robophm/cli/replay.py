@@ -26,7 +26,12 @@ from robophm.stores.store import Store
 
 def command(
     design: Design,
-    recordings: Annotated[list[Path], typer.Argument(help=".bag, .db3, .mcap, folders of them, .csv or .journal")],
+    recordings: Annotated[
+        list[Path],
+        typer.Argument(
+            help=".bag, .db3, .mcap, folders of them, .csv or .journal; or an address: https://, s3://, gs://, az://"
+        ),
+    ],
     store: GrowingStore = None,
     report: Annotated[Path | None, typer.Option(help="write a page about its health, HTML")] = None,
     skip_missing: SkipMissing = False,
@@ -43,7 +48,7 @@ def command(
     for warning in robot.warnings:
         warn(warning)
     sessions = sessions_of(robot, recordings, skip_missing=skip_missing)  # before a store is made for them
-    # Without a store the course is kept only for a page that shows it: its reports cost time.
+    # Without a store the past is kept only for a page that shows it: its reports cost time.
     kept: Store | None = open_store(store) if store else MemoryStore() if report else None
     spans = [(session.first, session.last) for session in sessions]
     with kept or nullcontext(), progress(progress_console(), spans, "replaying") as tick:
@@ -53,7 +58,7 @@ def command(
         elif done:
             warn(f"{len(done)} of {len(sessions)} recordings are already in {store}; they are not counted again")
         health = replace(replay_sessions(robot, sessions, store=kept, on_tick=tick), horizon=ahead)
-        past = (list(kept.history(robot.identity)), kept.ledger(robot.identity)) if kept and report else ()
+        past = (kept.history(robot.identity).figures(), kept.ledger(robot.identity)) if kept and report else ()
     if report:
         write(report, health_page(robot, health, *past))
     if as_json:

@@ -37,15 +37,15 @@ def command(
     for warning in robot.warnings:
         warn(warning)
     ledger = kept(store, robot) if store else None
-    history = []
+    series = None
     if store:
         from robophm.stores import open_store
 
         with open_store(store) as past:
-            history = list(past.history(robot.identity))
+            series = past.history(robot.identity).figures()
     data = ledger.to_json() if ledger else None
     health = Monitor(robot, ledger).report(horizon=ahead, alarms=True)
-    html = health_page(robot, health, history, data)
+    html = health_page(robot, health, series, data)
     write(path, printer.pdf(html) if printer else html)
     print_unknown(health.system.unknown, robot)
     console().print(f"Report: {path}", markup=False, soft_wrap=True)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from robophm.cli.shared.options import GrowingStore
+from robophm.cli.shared.options import GrowingStore, Notify
 from robophm.cli.shared.output import console, may_write, warn
 from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.unused import refuse_unused
@@ -37,6 +37,8 @@ class Wishes:
     start: str | None
     speed: float
     no_store: bool = False
+    notify: Sequence[str] = ()
+    """Addresses that are told of alarms."""
 
 
 def command(
@@ -61,10 +63,11 @@ def command(
         str | None, typer.Option(help="watch at once: ros1, ros2, recordings or synthetic", metavar="SOURCE")
     ] = None,
     speed: Annotated[float, typer.Option(help="of a recording, as a multiple of its own")] = 1.0,
+    notify: Notify = None,
 ) -> None:
     """The page: design a robot, bind its sensors and watch its health, in any browser."""
     run(design, Wishes(host, port, token, store, journal, tuple(recordings or ()), synthetic, start, speed,
-                       no_store))  # fmt: skip
+                       no_store, tuple(notify or ())))  # fmt: skip
 
 
 def own_store(design: Path) -> str | None:
@@ -85,7 +88,7 @@ def own_store(design: Path) -> str | None:
 def run(design: Path, wishes: Wishes) -> None:
     """Serve the page until interrupted. Raises RobophmError."""
     if wishes.start is None:
-        used = ("design", "host", "port", "token", "store", "no_store", "journal", "recordings", "synthetic")
+        used = ("design", "host", "port", "token", "store", "no_store", "journal", "recordings", "synthetic", "notify")
         refuse_unused("a page on which nothing is watched at once (--start)", used)
     from robophm.transports.recordings.files import recordings_in
 
@@ -104,7 +107,7 @@ def run(design: Path, wishes: Wishes) -> None:
     own = None if wishes.no_store or wishes.store else own_store(design)
     settings = Settings(
         design, wishes.store or own, wishes.journal, recordings_in(wishes.recordings), 1 if wishes.synthetic else None,
-        wishes.host, wishes.token, own_store=own is not None,
+        wishes.host, wishes.token, own_store=own is not None, notify=tuple(wishes.notify),
     )  # fmt: skip
 
     def ready(address: str, service: Service, stop: Callable[[], None]) -> None:

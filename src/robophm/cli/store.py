@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from robophm.cli.shared.options import Design, Json, stated_store
+from robophm.cli.shared.options import Design, Json, StoreOfRobot
 from robophm.cli.shared.output import console, may_write, print_json, print_table, table
 from robophm.cli.shared.stored_past import files_of
 from robophm.core.errors import RobophmError, nearest
@@ -22,10 +22,6 @@ from robophm.report.words import moment_text, number_text
 from robophm.stores import restore_store
 
 command = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None)
-
-StoreOfRobot = Annotated[
-    str, typer.Option("--store", help="the robot's past, as kept by replay or watch", callback=stated_store)
-]
 
 
 @command.callback()

@@ -20,7 +20,7 @@ from rich.live import Live
 
 from robophm.cli import BREACHED
 from robophm.cli.shared.live_table import LiveTable
-from robophm.cli.shared.options import Design, GrowingStore, Json, Unit, Via
+from robophm.cli.shared.options import Design, GrowingStore, Json, Notify, Unit, Via
 from robophm.cli.shared.output import console, may_write, print_json, print_report, warn
 from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.task_words import stated_speed
@@ -28,13 +28,20 @@ from robophm.cli.shared.unused import refuse_unused
 from robophm.core.counted_notes import ordinary, said
 from robophm.core.supervisor import Supervisor
 from robophm.design.file import load
+from robophm.design.robot import Robot
+from robophm.health.alarms import Alarm
 from robophm.health.report import HealthReport, plain
 from robophm.health.unknown_rates import marked, marks
+from robophm.monitoring.alarm_watch import AlarmWatch
 from robophm.monitoring.live_loop import watch
+from robophm.monitoring.notices import Notices
 from robophm.monitoring.recording_sessions import missing_signals
+from robophm.report.alarms import alarm_text
 from robophm.report.wear import ranked
 from robophm.report.words import duration_text, number_text, probability_text, rate_text
 from robophm.stores import open_store
+from robophm.stores.alarm_log import AlarmsInMemory
+from robophm.stores.store import Store
 from robophm.transports.health_topics import HealthTopics, Outlet
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.running_robot import open_live
@@ -64,13 +71,16 @@ class Watched:
     """Topics and actions that tell of tasks; those that are known by their names unless given."""
     speed: str | None
     functions: Sequence[str]
+    notify: Sequence[str]
+    """Addresses that are told of alarms."""
     unit: str
     as_json: bool
 
 
 def _only(asked: Watched) -> None:
     """Refuse what is not used for what is asked."""
-    used = ["via", "store", "journal", "period", "every", "publish", "namespace", "tasks", "speed", "function"]
+    used = ["via", "store", "notify", "journal", "period", "every", "publish", "namespace", "tasks", "speed"]
+    used += ["function"]
     if asked.as_json:
         refuse_unused("JSON, in 1/h", [*used, "frame"])
     if not asked.publish:
@@ -94,13 +104,14 @@ def command(
     ] = None,
     speed: Annotated[str | None, typer.Option(help="of planned legs that state none, e.g. '0.3 m/s'")] = None,
     function: Annotated[list[str] | None, typer.Option(help="that tasks need; default the whole robot")] = None,
+    notify: Notify = None,
     unit: Unit = "1/h",
     as_json: Json = False,
 ) -> None:
     """The health of a robot that runs, from ROS or MQTT and back to it, until it is interrupted."""
     asked = Watched(
         via, store, journal, period, every, namespace, publish, frame, tuple(tasks or ()), speed, tuple(function or ()),
-        unit, as_json,
+        tuple(notify or ()), unit, as_json,
     )  # fmt: skip
     if run(design, asked):
         raise typer.Exit(BREACHED)
@@ -142,7 +153,7 @@ def run(design: Path, asked: Watched) -> bool:
     for warning in robot.warnings:
         warn(warning)
     supervisor = Supervisor()
-    with ExitStack() as stack:
+    with Notices(asked.notify) as notices, ExitStack() as stack:
         ends = stack.enter_context(_ended_by_signals())
         opened = open_live(asked.via, period=asked.period)
         source = stack.enter_context(opened.source)
@@ -177,18 +188,30 @@ def run(design: Path, asked: Watched) -> bool:
             gc.freeze()  # what is there now stays: not to be looked through again and again while the robot runs
             monitor = watch(
                 robot, source, store=kept, journal=written, period=asked.period, sinks=[*sinks, shown],
-                task_topics=topics_to_hear(asked.tasks, asked.namespace), speed=speed, functions=asked.functions,
-                on_clock=warn, on_start=lambda _: supervisor.ready("watching"), on_tick=supervisor.alive,
+                task_topics=topics_to_hear(asked.tasks, asked.namespace, source.task_topics), speed=speed,
+                functions=asked.functions, on_clock=warn, on_start=lambda _: supervisor.ready("watching"),
+                on_tick=supervisor.alive, alarms=_alarms(robot, kept, [*sinks, shown], notices),
             )  # fmt: skip
         supervisor.ending()
+        notices.close()
         health = monitor.report(alarms=True)
-        if asked.as_json:
-            print_json(health.to_json(), one_of_many=True)
-        else:
-            print_report(health, asked.unit)
-        for what, count in sorted(source.notes.items()):
-            warn(f"{what} ({count} times)")
+        _say_at_end(health, source.notes + notices.notes, asked)
     return bool(health.breaches)
+
+
+def _say_at_end(health: HealthReport, notes: Mapping[str, int], asked: Watched) -> None:
+    if asked.as_json:
+        print_json(health.to_json(), one_of_many=True)
+    else:
+        print_report(health, asked.unit)
+    for what, count in sorted(notes.items()):
+        warn(f"{what} ({count} times)")
+
+
+def _alarms(robot: Robot, store: Store | None, sinks: Sequence[ReportSink], notices: Notices) -> AlarmWatch:
+    """The alarms of the robot, told to all who are to know of them."""
+    log = store.alarm_log(robot.identity) if store else AlarmsInMemory()
+    return AlarmWatch(robot, log, [*(sink.alarmed for sink in sinks), notices.of(robot.name)])
 
 
 SHOWN = ("foretold", "reached", "not followed")
@@ -226,6 +249,10 @@ class _OnTerminal(ReportSink):
         if self._table.due():
             self._live.update(self._table.draw(report), refresh=True)
 
+    def alarmed(self, changed: Sequence[Alarm], going_on: Sequence[Alarm]) -> None:
+        for one in changed:
+            self._live.console.print(alarm_text(one), markup=False)
+
     def judged(self, task: JudgedTask) -> None:
         self._live.console.print(_task_text(task), markup=False)
 
@@ -255,6 +282,13 @@ class _Lines(ReportSink):
             self._out.print(
                 f"{report.clocks['operating']:.3f} h  λ {rate}{told}{''.join(worn)}", markup=False, soft_wrap=True
             )
+
+    def alarmed(self, changed: Sequence[Alarm], going_on: Sequence[Alarm]) -> None:
+        for one in changed:
+            if self._asked.as_json:
+                print_json({"alarm": one.to_json()}, one_of_many=True)
+            else:
+                self._out.print(alarm_text(one), markup=False, soft_wrap=True)
 
     def judged(self, task: JudgedTask) -> None:
         if self._asked.as_json:

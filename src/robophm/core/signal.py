@@ -16,6 +16,9 @@ SECOND = 1_000_000_000
 HOUR = 3600 * SECOND
 """Nanoseconds in an hour."""
 
+DAY = 24 * HOUR
+"""Nanoseconds in a day."""
+
 CLOCK = "clock"
 """The signal by which a live source says that time went on although the robot said nothing."""
 

@@ -16,12 +16,14 @@ from robophm.design import schema
 from robophm.design.build_diagram import DiagramBuilder, distinguished_parts
 from robophm.design.build_mode import ModeBuilder
 from robophm.design.build_task import build_task
+from robophm.design.build_thresholds import build_thresholds
 from robophm.design.common_cause import CommonCauses
 from robophm.design.located_error import LocatedError, Path
 from robophm.design.references import place_of
-from robophm.design.robot import Component, FailureMode, Limits, MeasuredClock, Module, Robot, Thresholds, Usage
+from robophm.design.robot import Component, FailureMode, MeasuredClock, Module, Robot, Usage
 from robophm.design.scope import Scope
 from robophm.design.sensor_inputs import ChannelBuilder, SensorCover, assumed, undriven
+from robophm.design.thresholds import NO_LIMITS
 from robophm.parts import FIGURES
 from robophm.parts import part as library_part
 
@@ -88,7 +90,7 @@ class _Builder:
             clocks=clocks,
             powered=self._powered(),
             max_gap=round(design.max_gap * SECOND),
-            thresholds=_thresholds(design.thresholds),
+            thresholds=build_thresholds(("thresholds",), design.thresholds, self._signal_units()),
             warnings=tuple(warnings),
             notes=(*self.modes.notes, *notes),
             design_hash=hashlib.sha256(content.encode()).hexdigest(),
@@ -154,7 +156,9 @@ class _Builder:
             for name, component in level.components.items()
         )
         placeholder = blocks.Unit("")
-        thresholds = _thresholds(level.thresholds) if isinstance(level, schema.Module) else Thresholds()
+        thresholds = NO_LIMITS
+        if isinstance(level, schema.Module):
+            thresholds = build_thresholds((*place, "thresholds"), level.thresholds)
         text = level.description or ""
         return Module("/".join(path), modules, components, placeholder, placeholder, text, thresholds)
 
@@ -197,6 +201,7 @@ class _Builder:
         component = Component(
             name, part.quantity, required, part.monitored, modes, names, scope.duty, part.description or "",
             identity=scope.identity, identified=part.identity is not None,
+            thresholds=build_thresholds((*place, "thresholds"), part.thresholds) if part.thresholds else NO_LIMITS,
         )  # fmt: skip
         self.components[name] = component
         if any(mode.acceleration != "none" for mode in part.failure_modes.values() or [part]):
@@ -238,14 +243,14 @@ class _Builder:
         binding: schema.SignalBinding = level
         return binding
 
+    def _signal_units(self) -> dict[str, str]:
+        """The units of the signals that drive a stress of a part, by their names."""
+        stresses = chain.from_iterable(mode.stresses for part in self.components.values() for mode in part.modes)
+        return {one.signal: one.unit for stress in stresses for one in stress.channels.values()}
+
     def _signal_places(self, place: Path, level: Any) -> Iterable[Path]:
         yield from ((*place, "signals", name) for name in level.signals)
         yield from ((*place, "clocks", name) for name in level.clocks)
         for kind in ("modules", "components"):
             for name, child in getattr(level, kind, {}).items():
                 yield from self._signal_places((*place, kind, name), child)
-
-
-def _thresholds(stated: schema.ModuleThresholds) -> Thresholds:
-    limits = stated.model_dump()
-    return Thresholds(**{**limits, "warning": Limits(**limits["warning"])})

@@ -230,6 +230,7 @@ def place_and_message(detail: ErrorDetails, lines: Lines, model: type[BaseModel]
 def _keys(place: tuple[str, ...], lines: Lines, root: type[BaseModel]) -> list[str]:
     """The keys that a mapping at this place of a file may have."""
     from robophm.design import schema, schema_blocks, schema_task
+    from robophm.design.schema_thresholds import threshold_model
 
     inside: dict[str, type[BaseModel]] = {
         "modules": schema.Module,
@@ -253,8 +254,6 @@ def _keys(place: tuple[str, ...], lines: Lines, root: type[BaseModel]) -> list[s
         "ambient": schema.WearGauge,
         "load": schema.WearGauge,
         "knowledge": schema_task.Knowledge,
-        "thresholds": schema.Thresholds if len(place) == 1 else schema.ModuleThresholds,
-        "warning": schema.Limits,
         "powered": schema.PowerBinding,
         "k_of_n": schema_blocks.KOutOfNGroup,
         "standby": schema_blocks.StandbyGroup,
@@ -263,6 +262,9 @@ def _keys(place: tuple[str, ...], lines: Lines, root: type[BaseModel]) -> list[s
     }
     if not place:
         return list(root.model_fields)
+    if "thresholds" in place[::2]:  # as a key, not as a name
+        at = 2 * place[::2].index("thresholds")
+        return [*threshold_model(place[at + 1 :], place[at - 2] if at else "").model_fields]
     if (*place, "legs") in lines:
         return list(schema_task.Task.model_fields)
     model = inside[place[-2]] if len(place) > 1 and place[-2] in inside else itself.get(place[-1])

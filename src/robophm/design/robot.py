@@ -6,7 +6,7 @@ Paths name things from the robot down, joined by "/": ``Power/Battery Control Bo
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Literal
@@ -19,6 +19,7 @@ from robophm.core.argument_checks import one_of
 from robophm.core.errors import DesignError
 from robophm.design.robot_table import robot_table
 from robophm.design.task import Plan, Task, TaskStress
+from robophm.design.thresholds import NO_LIMITS, Thresholds
 from robophm.design.wear_signal import WearSignal
 from robophm.hazard.model import Evaluation, Model
 from robophm.life.distribution import LifeDistribution
@@ -208,6 +209,7 @@ class Component:
     """Path under which its past is kept; its own unless the design states another."""
     identified: bool = False
     """Whether the design states its identity itself."""
+    thresholds: Thresholds = NO_LIMITS
 
     @property
     def name(self) -> str:
@@ -231,30 +233,6 @@ class Component:
 
 
 @dataclass(frozen=True)
-class Limits:
-    """Limits of health: λ at most [1/h], R and PoTC at least, median RUL at least [h]; None: not limited."""
-
-    hazard_rate: float | None = None
-    reliability: float | None = None
-    remaining_life: float | None = None
-    completion: float | None = None
-
-    @property
-    def stated(self) -> bool:
-        """Whether any of the limits is stated."""
-        return any(getattr(self, limit.name) is not None for limit in fields(Limits))
-
-
-@dataclass(frozen=True)
-class Thresholds(Limits):
-    """Limits beyond which health is no longer good enough, and those beyond which attention is due."""
-
-    warning: Limits = field(default_factory=Limits)
-    survival: float | None = None
-    """Value of survival ahead: remaining life is also stated as the time when survival falls to it; not a limit."""
-
-
-@dataclass(frozen=True)
 class Module:
     """Modules and components wired by a diagram."""
 
@@ -266,7 +244,7 @@ class Module:
     diagram: Block
     """The diagram expanded: units are those of components."""
     description: str = ""
-    thresholds: Thresholds = field(default_factory=Thresholds)
+    thresholds: Thresholds = NO_LIMITS
 
     @property
     def name(self) -> str:
@@ -362,11 +340,27 @@ class Robot(Module):
         """Every failure mode, in design order, then those of common causes."""
         return tuple(mode for component in self.all_components() for mode in component.modes)
 
-    @property
+    @cached_property
+    def limited_parts(self) -> Mapping[int, Component]:
+        """Return the components that the design limits, by their places among all."""
+        return {i: part for i, part in enumerate(self.all_components()) if part.thresholds is not NO_LIMITS}
+
+    @cached_property
     def limited(self) -> bool:
         """Whether the design sets any limit at all: without one nothing can be called too low."""
-        levels = (self.thresholds, *(module.thresholds for module in self.all_modules()))
-        return any(one.stated or one.warning.stated for one in levels)
+        levels: list[Module | Component] = [self, *self.all_modules(), *self.limited_parts.values()]
+        return any(one.thresholds.limited for one in levels)
+
+    @property
+    def limits_signals(self) -> bool:
+        """Whether the design limits what a signal may say."""
+        return bool(self.thresholds.signals or self.thresholds.warning.signals)
+
+    @property
+    def wanted_completion(self) -> float | None:
+        """The probability of completion that every task must have at least; None where the design states none."""
+        level = self.thresholds.completion
+        return level.limit if level else None
 
     @property
     def plan(self) -> Plan:

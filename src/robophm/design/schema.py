@@ -14,6 +14,7 @@ from robophm.core.errors import RobophmError
 from robophm.design.schema_blocks import DependsOn, Diagram
 from robophm.design.schema_fields import LONGEST, Identity, Name, Strict, Written, quantity_in, share_in
 from robophm.design.schema_task import AnyTask
+from robophm.design.schema_thresholds import ModuleThresholds, PartThresholds, Thresholds
 from robophm.hazard.environments import ENVIRONMENTS, WORDS, environment
 from robophm.hazard.qualities import QUALITIES, quality
 from robophm.parts import completed
@@ -291,6 +292,7 @@ class Component(FailureMode):
     depends_on: DependsOn | None = Field(None, description="works only while this does: a part, a block, or a list")
     signals: dict[str, SignalBinding] = Field(default_factory=dict)
     offsets: dict[str, Written] = Field(default_factory=dict, description="added to inherited signals, e.g. 15 K")
+    thresholds: PartThresholds | None = None
     clocks: dict[Clock, ClockBinding] = Field(default_factory=dict)
     failure_modes: dict[Name, FailureMode] = Field(default_factory=dict)
 
@@ -339,29 +341,6 @@ class _Group(Strict):
     components: dict[Name, Component] = Field(default_factory=dict)
     diagram: Diagram | None = Field(None, description="how the blocks of this level are wired; default series")
     common_causes: dict[Name, CommonCause] = Field(default_factory=dict, description="groups that may fail together")
-
-
-class Limits(Strict):
-    """How good health must be, as sensors have it."""
-
-    hazard_rate: quantity_in("1/h", "at most", "1000 FPMH", 0.0) | None = None  # type: ignore[valid-type]
-    reliability: Annotated[float, Field(gt=0, lt=1, description="at least, since new")] | None = None
-    remaining_life: quantity_in("h", "median, at least", "500 h", 0.0) | None = None  # type: ignore[valid-type]
-    completion: Annotated[float, Field(gt=0, lt=1, description="of the task, at least")] | None = None
-
-
-class ModuleThresholds(Limits):
-    """Limits beyond which a module's health is no longer good enough: an error, and before it a warning."""
-
-    warning: Limits = Field(default_factory=Limits, description="the same, where attention is due")
-
-
-class Thresholds(ModuleThresholds):
-    """Limits beyond which the robot's health is no longer good enough (exit code 1)."""
-
-    survival: Annotated[float, Field(gt=0, lt=1, description="state also when survival ahead falls to this")] | None = (
-        None
-    )
 
 
 class Module(_Group):

@@ -19,7 +19,7 @@ from robophm.drafting.drafting import evidence
 from robophm.transports.recordings.files import reading
 from robophm.transports.recordings.opening import open_source
 from robophm.transports.recordings.packed import head_of
-from robophm.transports.recordings.recognising import look_at, suffixes
+from robophm.transports.recordings.recognising import look_at, usual_suffixes
 
 Kind = Literal["description", "recording", "parts list"]
 
@@ -30,6 +30,7 @@ MOST_BYTES = 8_000_000_000
 SPARED = 500_000_000
 """Bytes of the disk that are left to others."""
 
+DESCRIPTIONS = (".urdf", ".xacro")
 LISTS = (".csv", ".tsv", ".txt", ".xlsx", ".ods")
 
 
@@ -54,7 +55,7 @@ def kind_of(path: Path) -> Kind:
         look = look_at(path)
         format_ = look.kind if look else None
     suffix = path.suffix.lower()
-    if suffix in (".urdf", ".xacro") or head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):
+    if suffix in DESCRIPTIONS or head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):
         read_urdf(path)
         return "description"
     if format_ and (suffix not in LISTS or format_.recognises(head)):
@@ -63,11 +64,14 @@ def kind_of(path: Path) -> Kind:
     if suffix in LISTS:
         read_parts(path)
         return "parts list"
-    recordings = ", ".join(sorted(suffixes()))
-    raise RobophmError(
-        f"{path.name}: tells nothing of a robot; expected its URDF, a recording ({recordings}) or a parts list "
-        f"({', '.join(LISTS)})"
-    )
+    lists, recorded = (", ".join(endings()[kind]) for kind in ("parts list", "recording"))
+    says = f"tells nothing of a robot; expected its URDF, a recording ({recorded}) or a parts list ({lists})"
+    raise RobophmError(f"{path.name}: {says}")
+
+
+def endings() -> dict[Kind, tuple[str, ...]]:
+    """Return how names of files of each kind usually end; what a file holds decides."""
+    return {"description": DESCRIPTIONS, "recording": tuple(sorted(usual_suffixes())), "parts list": LISTS}
 
 
 class ReceivedFiles:

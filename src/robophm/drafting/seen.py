@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 from robophm.core.errors import SourceError, UnitError
-from robophm.core.signal import SECOND, bracketed, signal_name, steps_of
+from robophm.core.signal import SECOND, any_element, bracketed, signal_name, steps_of
 from robophm.core.units import quantity
 from robophm.design.importers.urdf.drives import words_of
 from robophm.measured.overview import Overview, overview, per_second
 from robophm.measured.recordings import Recorded, Signal, recordings, signal_of
 from robophm.measured.statistics import statistics_of
+from robophm.transports.recordings.looking import elements_of
 from robophm.transports.signals.message_units import field_unit
 
 MOST_SIGNALS = 300
@@ -115,16 +116,24 @@ def look(paths: Sequence[Path]) -> Seen:
     looks = [overview(one) for one in found]
     topics = {topic.name: topic for one in reversed(looks) for topic in one.topics}
     seen = [SeenTopic(name, one.type.replace("/msg/", "/"), per_second(one)) for name, one in sorted(topics.items())]
-    sought = [one for look in looks for one in _signals(look)]
+    sought = [signal for one, look in zip(found, looks, strict=True) for signal in _signals(look, _elements(one))]
     sought = list({one.name: one for one in sought}.values())
     notes = [f"{len(sought) - MOST_SIGNALS:,} signals more were not looked at"] if len(sought) > MOST_SIGNALS else []
     return Seen(tuple(found), tuple(seen), tuple(_valued(found, sought[:MOST_SIGNALS])), tuple(notes))
 
 
-def _signals(one: Overview) -> Iterator[SeenSignal]:
+def _elements(one: Recorded) -> Mapping[str, Sequence[str]]:
+    """The numbers of messages in arrays, where the recording tells how many there are."""
+    return (
+        elements_of(one.paths) if any("[]." in field for _, fields in one.topics.values() for field in fields) else {}
+    )
+
+
+def _signals(one: Overview, elements: Mapping[str, Sequence[str]]) -> Iterator[SeenSignal]:
     """The signals of a recording that could be bound: by the words and units of fields and of their elements."""
     for topic in one.topics:
         fields = [(field, topic.fields[field]) for field in topic.fields if "[]" not in field]
+        fields += [(field, topic.fields.get(any_element(field))) for field in elements.get(topic.name, ())]
         inner = " ".join(topic.names)  # what has arrays of its own is no number
         for array, names in topic.names.items():
             for name in names:

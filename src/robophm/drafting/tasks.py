@@ -18,6 +18,9 @@ from robophm.transports.tasks import DoneTask, driven_task, tasks_of
 MOST = 3
 """Tasks of a draft: the shortest, the middle one and the longest."""
 
+POSITION = ("nav_msgs/Odometry", "px4_msgs/VehicleLocalPosition")
+"""Types that tell where a robot is."""
+
 MOST_RECORDINGS = 20
 """The largest number of recordings that are searched for tasks."""
 
@@ -78,8 +81,8 @@ def _of(recorded: Recorded, seen: Seen) -> Iterator[SeenTask]:
 
 
 def _driven(recorded: Recorded, seen: Seen) -> list[DoneTask]:
-    """All that was driven in a recording, by the first topic of odometry that it has."""
-    topics = [one.name for one in seen.of_type("nav_msgs/Odometry") if one.name in recorded.topics]
+    """All that was driven or flown over ground in a recording, by the first topic of odometry that it has."""
+    topics = [one.name for one in seen.of_type(*POSITION) if one.name in recorded.topics]
     if not topics:
         return []
     with suppress(SourceError), open_source(*recorded.paths) as source:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Any, NamedTuple
 
@@ -54,6 +54,12 @@ class DoubtfulSignal:
     """The condition under which ``instead`` is what is true, such as "if the others are right"."""
     instead: float | None
     """The value that would fit, in the unit of the model's input; None: that it is silent."""
+    unit: str = ""
+    """The unit of the model's input; empty where it has none."""
+    ends: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64), compare=False, repr=False)
+    """Ends of the stretches of its past that are known [ns since the epoch]; shape (stretches,)."""
+    means: Array = field(default_factory=lambda: np.zeros(0), compare=False, repr=False)
+    """Means of what it said over these, in the unit of the model's input; shape (stretches,)."""
 
     def outlook(self, lived: Outlook, exposure: ExposureIntegrator, ledger: Ledger) -> Outlook:
         """Return the outlook of a robot whose signal says from now on what would fit.
@@ -125,7 +131,10 @@ def doubtful_signals(exposure: ExposureIntegrator, ledger: Ledger) -> tuple[Doub
         past = _Past.of(ledger, exposure.channels)
         physics = _colder_than_around(exposure, ledger, inputs)
         for doubt in chain(_frozen(past), physics, _odd(past, inputs), _changed(past, inputs)):
-            found.setdefault(doubt.key, DoubtfulSignal(exposure.channels[doubt.key].signal, *doubt))
+            signal, unit = exposure.channels[doubt.key].signal, inputs[doubt.key][0].unit
+            said = ~np.isnan(past.means[doubt.key])
+            means = past.means[doubt.key][said]
+            found.setdefault(doubt.key, DoubtfulSignal(signal, *doubt, unit, past.ends[said], means))
     return tuple(sorted(found.values(), key=lambda one: one.signal))
 
 

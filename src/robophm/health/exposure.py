@@ -253,6 +253,16 @@ class ExposureIntegrator:
                 }
         return held | means
 
+    def last_values(self, ledger: Ledger) -> dict[str, float]:
+        """Return the last values that still hold of signals of stress, by name, as their messages have them."""
+        now, found = ledger.integrated_to, dict[str, float]()
+        for key, channel in self.channels.items():
+            if now is not None and key in ledger.last:
+                time, (value,) = ledger.last[key]
+                if now < time + channel.max_age:
+                    found[channel.signal] = value
+        return found
+
     def silent(self, ledger: Ledger) -> dict[str, int | None]:
         """Return the bound signals without a valid value at the integrated-to time; edges once heard may rest.
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from itertools import chain
-from typing import Any, Literal, overload
+from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +21,7 @@ from robophm.design.task_checks import check_task
 from robophm.health.doubtful_signals import Doubt
 from robophm.health.failures_to_come import FailuresToCome, failures_to_come
 from robophm.health.ledger import SuspectTime
+from robophm.health.limits import LimitedValue, Severity, limited_signals, limited_values
 from robophm.health.mission import Completion, completion
 from robophm.health.outlooks import View
 from robophm.health.prognosis import Outlook, RemainingLife
@@ -58,6 +59,15 @@ class ComponentHealth:
     """Whether one of its rates is unknown: the stated hazard rates are then lower bounds, the reliabilities upper
     bounds."""
 
+    @property
+    def limited(self) -> dict[str, float | None]:
+        """Return the figures that a design may limit, by name; None where one is not known."""
+        return {
+            "hazard_rate": self.sensor_based_hazard_rate,
+            "reliability": self.sensor_based_reliability,
+            "remaining_life": self.remaining_life.median if self.remaining_life else None,
+        }
+
 
 @dataclass(frozen=True)
 class HealthReport:
@@ -84,6 +94,8 @@ class HealthReport:
     """Wear that sensors see of failure modes; the sensor-based figures have it in the place of their hazard."""
     doubts: tuple[Doubt, ...] = ()
     """Signals of stress that may not be true, and what that would mean. The figures take them as they are."""
+    heard: Mapping[str, float] = field(default_factory=dict)
+    """The last values that still hold of the signals of stress, where the design limits any."""
     suspect_time: tuple[SuspectTime, ...] = ()
     """Stretches in which the machine's clock was not plausible, so that time went on without it."""
 
@@ -98,22 +110,30 @@ class HealthReport:
         life = self.system.sensor_based.remaining_life or self.remaining_life()
         return failures_to_come(self.outlooks, self.design.diagram, life.median, self.horizon)
 
+    @cached_property
+    def limited_values(self) -> tuple[LimitedValue, ...]:
+        """Return what the design limits, as it is now: of the robot, of modules, of parts, then of signals."""
+        found: list[LimitedValue] = []
+        for system, one in zip(systems(self.design), self.subjects, strict=True):
+            path = "" if system.kind == "robot" else system.path
+            found += limited_values(path, system.thresholds, one.sensor_based.limited, one.silence)
+        for i, part in self.design.limited_parts.items():
+            health = self.components[i]
+            found += limited_values(part.path, part.thresholds, health.limited, health.silence)
+        return (*found, *limited_signals(self.design, self.heard))
+
     @property
     def breaches(self) -> tuple[str, ...]:
-        """Return the design's thresholds that the sensor-based figures fail; a module's by its path."""
-        return self._told("breaches")
+        """Return the design's thresholds that the sensor-based figures and signals fail, by what they are of."""
+        return self._broken("error")
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Return the design's warning thresholds that the sensor-based figures fail."""
-        return self._told("warnings")
+        """Return the design's warning thresholds that the sensor-based figures and signals fail."""
+        return self._broken("warn")
 
-    def _told(self, what: Literal["breaches", "warnings"]) -> tuple[str, ...]:
-        return tuple(
-            words if subject.kind == "robot" else f"{subject.path}: {words}"
-            for subject in self.subjects
-            for words in getattr(subject, what)
-        )
+    def _broken(self, severity: Severity) -> tuple[str, ...]:
+        return tuple(one.said for one in self.limited_values if one.severity == severity and one.broken)
 
     @property
     def stale(self) -> frozenset[str]:
@@ -202,8 +222,11 @@ class HealthReport:
     def _outlook(self, view: View) -> Outlook:
         return self.outlooks[one_of(view, VIEWS, "view")]
 
-    def to_json(self) -> dict[str, Any]:
-        """Return the report as plain values, schema-versioned; an infinite time is the text "Infinity"."""
+    def to_json(self, *, failures_to_come: bool = True) -> dict[str, Any]:
+        """Return the report as plain values, schema-versioned; an infinite time is the text "Infinity".
+
+        ``failures_to_come`` are worked out for it where there is a remaining life, which takes time.
+        """
         names = ("robot", "design_hash", "time", "clocks")
         return {
             "schema_version": SCHEMA_VERSION,
@@ -211,7 +234,7 @@ class HealthReport:
             "subjects": [plain(asdict(subject)) | {"state": subject.state} for subject in self.subjects],
             "components": [plain(asdict(component)) for component in self.components],
             "failures_to_come": plain(asdict(self.failures_to_come))
-            if self.system.sensor_based.remaining_life
+            if failures_to_come and self.system.sensor_based.remaining_life
             else None,
             "task": task_to_json(self.task) if self.task else None,
             "uncertainty": plain({name: interval._asdict() for name, interval in vars(self.uncertainty).items()})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple, get_args
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from robophm.health.draws import check_draws
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.failures_to_come import LONGEST
 from robophm.health.ledger import Ledger
+from robophm.health.limits import SEVERITIES, limited_values
 from robophm.health.mission import completion, plan_future
 from robophm.health.outlooks import FutureName, View, outlooks
 from robophm.health.plant import Plant
@@ -31,7 +32,6 @@ from robophm.health.subject import (
     Figures,
     Subject,
     System,
-    breached,
     figures_now,
     looking_ahead,
     silence,
@@ -43,14 +43,19 @@ from robophm.health.uncertainty import SCENARIOS, LifeUncertainty, draw_loads, l
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 from robophm.health.worn import SeenWear, moment, wear_flags
 
+Lives = bool | Literal["robot"]
+"""Whether remaining lives are stated: of all subjects, of the robot alone, or of none."""
+
 
 def health_report(
     plant: Plant, exposure: ExposureIntegrator, ledger: Ledger, *,
-    task: Task | None = None, remaining_life: bool = True,
+    task: Task | None = None, remaining_life: Lives = True,
     future: FutureName = "recent", plan: Plan | None = None, knowledge: Knowledge | None = None,
     draws: int = 0, parts: bool = False, horizon: float | None = None, wear: Sequence[SeenWear] = (),
 ) -> HealthReport:  # fmt: skip
     """Return the health that a ledger tells of; ``task`` is the design's unless given. Remaining life is the slow part.
+
+    ``remaining_life="robot"``: of the robot alone, which is quicker.
 
     Under a ``plan`` the robot does its tasks again and again for the rest of its life. ``draws`` of uncertain rates and
     loads tell how far the remaining life may lie; ``parts``: state that of every component too. ``horizon`` [h]: how
@@ -88,12 +93,11 @@ def health_now(
     asked = task or robot.task
     doubtful = doubts(exposure, ledger, lived, robot.diagram, asked)
     numbers = np.stack([*rates, *(works for works, _ in survival), *(failed for _, failed in survival)], axis=1)
-    clocks = ledger.clocks.value
     return HealthReport(
         robot.name,
         robot.design_hash,
         ledger.integrated_to,
-        {name: float(total) for name, total in zip(("operating", "calendar", *robot.clocks), clocks, strict=True)},
+        _clocks(robot, ledger),
         tuple(
             _subject(
                 system,
@@ -130,6 +134,7 @@ def health_now(
         views,
         wear=tuple(wear),
         doubts=doubtful,
+        heard=exposure.last_values(ledger) if robot.limits_signals else {},
         suspect_time=tuple(ledger.suspect_time),
     )
 
@@ -144,8 +149,13 @@ def _check(robot: Robot, task: Task | None, future: FutureName, plan: Plan | Non
         check_knowledge(knowledge, robot)
 
 
+def _clocks(robot: Robot, ledger: Ledger) -> dict[str, float]:
+    names = ("operating", "calendar", *robot.clocks)
+    return {name: float(total) for name, total in zip(names, ledger.clocks.value, strict=True)}
+
+
 def look_ahead(
-    now: HealthReport, *, remaining_life: bool = True, parts: bool = False, pause: Callable[[], None] = lambda: None
+    now: HealthReport, *, remaining_life: Lives = True, parts: bool = False, pause: Callable[[], None] = lambda: None
 ) -> HealthReport:
     """Add what is to come to a report: completion of the task, and remaining lives, which are the slow part.
 
@@ -158,14 +168,18 @@ def look_ahead(
         ahead = {
             view: looking_ahead(
                 getattr(one, view), now.outlooks[view], system.diagram, now.task,
-                remaining_life=remaining_life, whole=whole,
+                remaining_life=remaining_life is True or (whole and remaining_life == "robot"), whole=whole,
             )
             for view in VIEWS
         }  # fmt: skip
         subjects.append(_subject(system, one, ahead))
         pause()
-    for i, diagram in enumerate(lived.plant.alone if parts else ()):
-        components[i] = replace(components[i], remaining_life=lived.remaining_life(diagram))
+    limited = lived.plant.robot.limited_parts if remaining_life else {}
+    asked = [
+        i for i, part in limited.items() if part.thresholds.remaining_life or part.thresholds.warning.remaining_life
+    ]
+    for i in range(len(components)) if parts else asked:
+        components[i] = replace(components[i], remaining_life=lived.remaining_life(lived.plant.alone[i]))
         pause()
     return replace(now, subjects=tuple(subjects), components=tuple(components))
 
@@ -228,8 +242,9 @@ class _Marks(NamedTuple):
 
 
 def _subject(system: System, marked: Subject | _Marks, of: Mapping[View, Figures]) -> Subject:
-    lived, limits = of["sensor_based"], system.thresholds
-    breaches, warnings = (tuple(breached(one, lived)) for one in (limits, limits.warning))
+    lived = of["sensor_based"]
+    limited = [one for one in limited_values("", system.thresholds, lived.limited) if one.broken]
+    breaches, warnings = (tuple(one.words for one in limited if one.severity == kind) for kind in SEVERITIES)
     marks = marked.flags, breaches, warnings, marked.silence, marked.unknown
     return Subject(system.kind, system.path, of["nominal"], lived, *marks)
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 from robophm.blocks.diagram import Block
-from robophm.design.robot import Limits, Robot, Thresholds
+from robophm.design.robot import Robot
 from robophm.design.task import Task
+from robophm.design.thresholds import NO_LIMITS, Thresholds
 from robophm.health.mission import Completion, completion
 from robophm.health.prognosis import Outlook, RemainingLife
 from robophm.health.unknown_rates import PartsOfUnknownRate
@@ -44,7 +45,7 @@ def systems(robot: Robot) -> list[System]:
     return [
         System("robot", robot.name, robot.diagram, robot.thresholds),
         *(System("module", module.path, module.diagram, module.thresholds) for module in robot.all_modules()),
-        *(System("function", name, diagram, Thresholds()) for name, diagram in robot.functions.items()),
+        *(System("function", name, diagram, NO_LIMITS) for name, diagram in robot.functions.items()),
     ]
 
 
@@ -61,6 +62,16 @@ class Figures:
     remaining_life: RemainingLife | None = None
     completion: Completion | None = None
     """Completion of the task; for a module or function, that it does its share throughout."""
+
+    @property
+    def limited(self) -> dict[str, float | None]:
+        """Return the figures that a design may limit, by name; None where one is not known."""
+        return {
+            "hazard_rate": self.hazard_rate,
+            "reliability": self.reliability,
+            "remaining_life": self.remaining_life.median if self.remaining_life else None,
+            "completion": self.completion.probability if self.completion else None,
+        }
 
     def beside(self, earlier: Figures) -> Figures:
         """Return the hazard rate and reliability of now, with the look ahead of earlier figures."""
@@ -148,16 +159,3 @@ def some(words: Sequence[str]) -> str:
     """Return the first MOST_NAMED of some words in a row, and how many more there are."""
     more = f" and {len(words) - MOST_NAMED} more" if len(words) > MOST_NAMED else ""
     return ", ".join(words[:MOST_NAMED]) + more
-
-
-def breached(limits: Limits, figures: Figures) -> Iterator[str]:
-    """Yield in words each limit that figures fail; a figure that is not known fails none."""
-    if limits.hazard_rate is not None and not figures.hazard_rate <= limits.hazard_rate:
-        yield f"hazard rate {figures.hazard_rate:.4g} /h is above {limits.hazard_rate:.4g} /h"
-    if limits.reliability is not None and not figures.reliability >= limits.reliability:
-        yield f"reliability {figures.reliability:.6g} is below {limits.reliability:g}"
-    life, done = figures.remaining_life, figures.completion
-    if limits.remaining_life is not None and life and not life.median >= limits.remaining_life:
-        yield f"median remaining life {life.median:.4g} h is below {limits.remaining_life:g} h"
-    if limits.completion is not None and done and not done.probability >= limits.completion:
-        yield f"probability of task completion {done.probability:.6g} is below {limits.completion:g}"

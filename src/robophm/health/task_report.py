@@ -113,7 +113,7 @@ def task_report(
         {view: completion(views[view], joined) for view in VIEWS},
         completion_uncertainty(lived, joined, loads=loads, draws=draws, seed=seed) if unsure and draws else None,
         tuple(deciding_components(lived, joined)),
-        plant.robot.thresholds.completion,
+        plant.robot.wanted_completion,
         unknown_in(lived, joined),
         tuple(wear),
     )

@@ -13,6 +13,7 @@ from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
 from robophm.measured.held_values import Ints
 from robophm.measured.recordings import Recorded
+from robophm.transports.recordings.recording import MOST_UNNAMED, PLACES_NAMING
 from robophm.transports.recordings.salvage import Salvage
 from robophm.transports.signals.message_units import field_unit
 
@@ -86,6 +87,10 @@ class Overview:
         """Return the times of the first and the last message of any topic; None where there is none."""
         spans = [topic.span for topic in self.topics if topic.span]
         return (min(first for first, _ in spans), max(last for _, last in spans)) if spans else None
+
+
+LOOKED_INTO = PLACES_NAMING * MOST_UNNAMED
+"""Messages of a topic, beyond which it may have elements of more names than are listed."""
 
 
 def overview(recorded: Recorded, gap: int | None = None) -> Overview:

@@ -82,7 +82,7 @@ def recordings(paths: Sequence[Path], *, together: bool = False) -> list[Recorde
     marks: dict[str, Path] = {}
     found: list[Recorded] = []
     failed: list[SourceError] = []
-    for asked_for, file in [(path, file) for path in paths for file in parts_of(existing(path))]:
+    for asked_for, file in [(path, file) for path in map(existing, paths) for file in parts_of(path)]:
         try:
             with reading(file):
                 other = marks.setdefault(fingerprint_of(file), file)

@@ -12,13 +12,15 @@ from robophm.core.errors import SourceError
 from robophm.core.signal import CLOCK, REORDERED, SECOND, Sample
 from robophm.design.robot import Robot
 from robophm.health.reporting import health_now
+from robophm.monitoring.alarm_watch import AlarmWatch
 from robophm.monitoring.clock_steps import ClockSteps
 from robophm.monitoring.live_tasks import LiveTasks
 from robophm.monitoring.look_ahead import LookAhead
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.replay import MOST_REPORTS, REPAIR, REPORT_STEP, ReportHistory, kept_ledger
+from robophm.monitoring.replay import MOST_REPORTS, REPAIR, ReportHistory, kept_ledger
 from robophm.monitoring.silent_signals import SilentSignals
 from robophm.monitoring.wear_watch import WearWatch
+from robophm.stores.events import Event
 from robophm.stores.store import NoRoomError, Progress, Store
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.signals.report_sink import JudgedTask, ReportSink
@@ -26,6 +28,9 @@ from robophm.transports.signals.source import STAMP_LIMIT, Gap, LiveItem, LiveSo
 
 NOTES_EVERY = 0.5
 """Seconds between two looks for what was lost, silent or refused."""
+
+REPORT_STEP = 60 * SECOND
+"""Nanoseconds of the robot's time between two reports that are kept."""
 
 LATEST = 2 * STAMP_LIMIT
 """Nanoseconds that a live sample may come late and count all the same; what is later is of a clock that went back."""
@@ -41,6 +46,7 @@ def watch(
     speed: float | None = None, functions: Sequence[str] = (),
     on_start: Callable[[Monitor], None] | None = None, on_tick: Callable[[Monitor], None] | None = None,
     on_task: Callable[[JudgedTask], None] | None = None, on_clock: Callable[[str], None] | None = None,
+    alarms: AlarmWatch | None = None,
 ) -> Monitor:  # fmt: skip
     """Listen until the source is closed, from where the store's ledger stands; return the monitor as it is then.
 
@@ -48,7 +54,8 @@ def watch(
     ledger, bit for bit. Reports go to ``sinks`` with the remaining lives and completions last seen ahead; so do the
     tasks that ``task_topics`` of a live source tell of, ``speed`` [m/s] and ``functions`` being as of LiveTasks; what
     of them is not judged is in the source's notes. ``on_start`` is called before the first sample, ``on_tick`` after
-    each step, ``on_clock`` with words, at once, where the clock jumps ahead, or back so that nothing counts.
+    each step, ``alarms`` looks at each report that sinks are told,
+    ``on_clock`` with words, at once, where the clock jumps ahead, or back so that nothing counts.
 
     Where there are both a store and a journal, what an earlier watch wrote to that journal and could not save any more
     is taken into the ledger first.
@@ -60,7 +67,7 @@ def watch(
         return _Watch(
             robot=robot, source=source, store=store, journal=journal, period=period, sinks=sinks,
             task_topics=task_topics, speed=speed, functions=functions, on_start=on_start, on_tick=on_tick,
-            on_task=on_task, on_clock=on_clock,
+            on_task=on_task, on_clock=on_clock, alarms=alarms,
         ).run()  # fmt: skip
 
 
@@ -81,6 +88,7 @@ class _Watch:
     on_tick: Callable[[Monitor], None] | None
     on_task: Callable[[JudgedTask], None] | None
     on_clock: Callable[[str], None] | None
+    alarms: AlarmWatch | None
 
     def __post_init__(self) -> None:
         ledger = kept_ledger(self.robot, self.store) if self.store else None
@@ -96,6 +104,8 @@ class _Watch:
         self._silent = SilentSignals(self.robot.max_ages)
         self._unkept: Counter[str] = Counter()
         self._looked = time.monotonic()
+        self._events: list[Event] = []
+        """Events that are not yet saved."""
         self._noted: Counter[str] = Counter()
         """The notes that were told last."""
         self._behind: int | None = None
@@ -138,8 +148,10 @@ class _Watch:
                 f"the ledger of {self.robot.name} is {(self._behind - heard.time) / SECOND:,.0f} s ahead of what is "
                 f"heard; expected a clock that is right, or another store; {REPAIR}"
             )
-        self._behind = None
         heard = self._in_time(heard)
+        if self._behind is not None:
+            self._events.append(Event(heard.time, "restart", "", "watching began again"))
+            self._behind = None
         self._silent.hear(heard)
         if self.journal:
             self.journal.write(heard)
@@ -187,6 +199,8 @@ class _Watch:
             settled = monitor.exposure.settled(monitor.ledger)
             wear = self._wear.latest(settled)
             report = self._ahead.beside(health_now(monitor.plant, monitor.exposure, settled, wear=wear))
+            if self.alarms:
+                self.alarms.look(report)
             for sink in self.sinks:
                 sink.publish(report)
         if self.task_topics:
@@ -210,8 +224,10 @@ class _Watch:
         progress = [Progress(self._key, self.journal.position)] if self.journal else []
         self._saved = time.monotonic()
         try:
-            self.store.save(self.robot.identity, self._monitor.ledger.to_json(), progress, self._course.reports)
-            self._course.reports.clear()
+            ledger, reports = self._monitor.ledger.to_json(), self._course.reports
+            self.store.save(self.robot.identity, ledger, progress, reports, self._events)
+            reports.clear()
+            self._events.clear()
         except NoRoomError as error:
             if last:
                 raise

@@ -23,7 +23,7 @@ from robophm.health.ledger import Ledger
 from robophm.health.outlooks import FutureName
 from robophm.health.plant import Plant
 from robophm.health.report import HealthReport
-from robophm.health.reporting import health_report
+from robophm.health.reporting import Lives, health_report
 from robophm.health.suspect_time import hear_clock
 from robophm.health.window import Columns, Window, parted
 from robophm.health.worn import SeenWear
@@ -44,7 +44,7 @@ class ReportOptions(TypedDict, total=False):
     """Options of a report, as ``health_report`` takes them."""
 
     task: Task | None
-    remaining_life: bool
+    remaining_life: Lives
     future: FutureName
     plan: Plan | None
     knowledge: Knowledge | None

@@ -201,8 +201,8 @@ def _in_order(given: Sequence[Path], lost: list[str]) -> list[tuple[list[Path], 
     A file that was found in a folder and cannot be read is ``lost`` alone; one that was named is an error.
     """
     parts: list[tuple[Path, bool]] = []
-    for path in given:
-        parts += [(part, part == path) for part in parts_of(existing(path))]
+    for path in map(existing, given):
+        parts += [(part, part == path) for part in parts_of(path)]
     if len(parts) < 2:
         return [([part for part, _ in parts] or [*given], None)]
     spans: list[tuple[int, int, Path, _Looked]] = []

@@ -57,7 +57,8 @@ class ReportHistory:
         now = monitor.ledger.integrated_to or 0
         if self._reported is None or now // self._step > self._reported // self._step:
             wear = self._wear(monitor.ledger)
-            self.reports.append(monitor.report(remaining_life=False, settled=False, wear=wear).to_json())
+            report = monitor.report(remaining_life="robot", settled=False, wear=wear)
+            self.reports.append(report.to_json(failures_to_come=False))
         self._reported = now
 
 

@@ -29,6 +29,15 @@ def stored_past(address: Address, robot: Robot) -> Iterator[tuple[Store, Ledger]
         yield store, ledger
 
 
+@contextmanager
+def stored_history(address: Address, robot: Robot) -> Iterator[Store]:
+    """A store that is there and knows the robot, to look at its history. Raises StoreError where it does not."""
+    with existing_store(address) as store:
+        if store.history(robot.identity).report_at(0) is None and robot.identity not in store.robots():
+            raise unknown_robot(address, store, robot)
+        yield store
+
+
 def unknown_robot(address: Address, store: Store, robot: Robot) -> StoreError:
     """Return what is to be said where a store has no past of a robot."""
     known = store.robots()

@@ -66,7 +66,7 @@ class TaskRecord:
 
 def too_unlikely(records: Sequence[TaskRecord], robot: Robot) -> bool:
     """Whether the design wants more than was predicted of one of these tasks, sensor-based."""
-    wanted = robot.thresholds.completion
+    wanted = robot.wanted_completion
     asked = [one.predicted["sensor_based"].probability for one in records if one.predicted]
     return wanted is not None and any(probability < wanted for probability in asked)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import platform
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from importlib.metadata import version
 from typing import Any
 
@@ -14,6 +14,7 @@ from robophm.design.robot import Channel, MeasuredClock, Robot
 from robophm.report.markup import Html
 from robophm.report.page import table_html
 from robophm.report.words import duration_text, number_text
+from robophm.stores.figures import FigureSeries
 
 _HOUR = 3600 * SECOND
 _PROGRAMS = ("robophm", "numpy", "scipy")
@@ -75,12 +76,12 @@ def _whose(paths: Sequence[str], robot: str) -> str:
     return f"{len(unique)} parts of {'/'.join(common) or robot}"
 
 
-def made_of(robot: Robot, ledger: Mapping[str, Any] | None, history: Iterable[Mapping[str, Any]]) -> Html:
+def made_of(robot: Robot, ledger: Mapping[str, Any] | None, series: FigureSeries | None) -> Html:
     """The design and the data, each with its SHA-256, and the versions of what worked it out."""
-    data = data_hash(ledger, history)
+    data = data_hash(ledger, series)
     rows = [
         ("design", robot.name, robot.design_hash),
-        ("data", "the robot's past: its sums and its earlier reports" if data else "none: as designed", data),
+        ("data", "the robot's past: its sums and its figures so far" if data else "none: as designed", data),
         *(("program", f"{name} {version(name)}", "") for name in _PROGRAMS),
         ("program", f"Python {platform.python_version()}", ""),
     ]
@@ -90,10 +91,9 @@ def made_of(robot: Robot, ledger: Mapping[str, Any] | None, history: Iterable[Ma
     return table_html(["", "what", "SHA-256"], rows, caption, "lll")
 
 
-def data_hash(ledger: Mapping[str, Any] | None, history: Iterable[Mapping[str, Any]]) -> str:
-    """SHA-256 of a robot's past: its ledger and its earlier reports, both as plain values; "" where it has none."""
-    reports = list(history)
-    if not reports and (ledger is None or ledger["started"] is None):
+def data_hash(ledger: Mapping[str, Any] | None, series: FigureSeries | None) -> str:
+    """SHA-256 of a robot's past, its ledger and the series of its figures as plain values; "" where it has none."""
+    if (series is None or not len(series.times)) and (ledger is None or ledger["started"] is None):
         return ""
-    content = json.dumps([ledger, reports], sort_keys=True, separators=(",", ":"))
+    content = json.dumps([ledger, series.to_json() if series else None], sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(content.encode()).hexdigest()

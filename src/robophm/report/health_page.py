@@ -20,6 +20,7 @@ from robophm.report.basis import made_of, sensors
 from robophm.report.curve import Line, curve_svg
 from robophm.report.dependence import dependence
 from robophm.report.diagram_svg import diagram_svg
+from robophm.report.doubts import doubts_drawn
 from robophm.report.failures_to_come import contributors
 from robophm.report.importance import matters, replace_first
 from robophm.report.labels import part_labels
@@ -27,29 +28,31 @@ from robophm.report.markup import Html
 from robophm.report.minimal_sets import what_it_takes_to_fail
 from robophm.report.outline import Label
 from robophm.report.page import figure, page, section, side_by_side, table_html, tile, tiles
+from robophm.report.past_curves import VIEWS, past_curves
 from robophm.report.style import Tone
 from robophm.report.wear import wear_table
 from robophm.report.why import reasons, sentence
 from robophm.report.words import duration_text, number_text, odds_text, percent_text, percent_texts, rate_text
+from robophm.stores.figures import FigureSeries
 
-VIEWS = {"nominal": "nominal", "sensor_based": "sensor-based"}
-"""The two views and what they are called."""
+PAST = ("hazard_rate", "unreliability")
+"""The figures whose past is drawn."""
 
 
 def health_page(
     robot: Robot,
     report: HealthReport,
-    history: Iterable[Mapping[str, Any]] = (),
+    series: FigureSeries | None = None,
     ledger: Mapping[str, Any] | None = None,
 ) -> Html:
-    """The whole page as HTML. ``history`` holds earlier reports as JSON, oldest first, for the curves; ``ledger``, as
-    JSON too, is what the report was made of.
+    """The whole page as HTML. ``series`` are the figures so far, for the curves; ``ledger``, as JSON, is what
+    the report was made of.
     """
-    return page(f"Health of {report.robot}", _sections(robot, report, list(history), ledger))
+    return page(f"Health of {report.robot}", _sections(robot, report, series, ledger))
 
 
 def _sections(
-    robot: Robot, report: HealthReport, history: list[Mapping[str, Any]], ledger: Mapping[str, Any] | None
+    robot: Robot, report: HealthReport, series: FigureSeries | None, ledger: Mapping[str, Any] | None
 ) -> Iterable[Html | str]:
     found = explain(report)
     yield sentence(report, found)
@@ -62,7 +65,8 @@ def _sections(
         for path, level in levels
     )
     yield section("How it is wired", *chain.from_iterable(wiring))
-    yield section("Curves", side_by_side(*_history_curves(report.robot, history), *_outlook_curves(robot, report)))
+    past = past_curves(report.robot, series, PAST) if series else ()
+    yield section("Curves", side_by_side(*past, *_outlook_curves(robot, report)))
     yield section("Modules", _subject_table(report.subjects))
     if report.wear:
         yield section("What is seen to wear", *wear_table(report.wear, report.outlooks["sensor_based"].plant))
@@ -74,9 +78,9 @@ def _sections(
     yield section("What to replace first", *replace_first(robot, report.outlooks, report.task))
     whole = "Every sample was taken, and every signal was there."
     told = report.notes or (whole if report.time is not None else "Nothing has been observed yet.",)
-    yield section("Sensors and data", *sensors(robot), *told)
+    yield section("Sensors and data", *sensors(robot), *told, *doubts_drawn(report.doubts))
     yield section("Assumptions", *_assumptions(robot))
-    yield section("What this report is made of", made_of(robot, ledger, history))
+    yield section("What this report is made of", made_of(robot, ledger, series))
 
 
 def _summary(report: HealthReport) -> str:
@@ -158,31 +162,6 @@ def _labels(robot: Robot, report: HealthReport) -> Callable[[str], Label]:
         robot, rates, stale=[one.path for one in report.subjects if one.stale],
         unknown={one.path: marks(one.unknown)[0] for one in report.subjects},
     )  # fmt: skip
-
-
-def _history_curves(robot: str, history: list[Mapping[str, Any]]) -> Iterable[Html]:
-    if len(history) < 2:
-        return
-    hours = np.array([entry["time"] for entry in history], dtype=float)
-    hours = (hours - hours[0]) / (3600 * SECOND)
-    steps = np.diff(hours)
-    silent = np.flatnonzero(steps > 3 * np.median(steps)) + 1  # the robot was off: no line is drawn across
-    for key, title, label in (
-        ("hazard_rate", "Hazard rate", "λ [1/h of operation]"),
-        ("unreliability", "Probability of having failed since new", "1 − R"),
-    ):
-        lines = []
-        for view, name in VIEWS.items():
-            values = [entry["subjects"][0][view][key] for entry in history]
-            course = np.array(
-                [np.nan if value is None else value for value in values], dtype=float
-            )  # of "Infinity" too
-            x, y = np.insert(hours, silent, hours[silent - 1]), np.insert(course, silent, np.nan)
-            lines.append(Line(name, x, y, dashed=view == "sensor_based"))
-        yield figure(
-            curve_svg(lines, title=title, x_label="time since start [h]", y_label=label),
-            f"{title} of {robot}, as recorded",
-        )
 
 
 def _outlook_curves(robot: Robot, report: HealthReport) -> Iterable[Html]:

@@ -16,7 +16,11 @@ from robophm.stores.store import Restored, Store
 
 __all__ = ["Address", "Store", "existing_store", "open_store", "stores"]
 
-NOT_PLUGS = ("store",)  # the interface
+NOT_PLUGS = (
+    "store", "alarm_log", "events", "figures", "kept_events", "kept_history", "kept_reports", "migration", "pyramid",
+    "sqlite_alarms",
+)  # fmt: skip
+"""The interface, and what its plugs are built of."""
 
 Address = str | os.PathLike[str]
 """Which store, and where: ``sqlite:robots.db``; a path alone is one in SQLite."""

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 import json
+import operator
 import sqlite3
 import zlib
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 from robophm.core.errors import StoreError
@@ -40,19 +43,32 @@ class CheckedTable(NamedTuple):
 
     def get(self, base: sqlite3.Connection, robot: str, *key: Any) -> tuple[Any, ...] | None:
         """Return the values of a row, or None. Raises DamagedError where they are not those that were written."""
-        where = " AND ".join(f"{name} = ?" for name in ("robot", *_names(self.key)))
-        found = base.execute(f"SELECT sum, {self._values} FROM {self.name} WHERE {where}", (robot, *key)).fetchone()
-        if found is None:
-            return None
-        return self._sound(robot, key, found[0], found[1:])
+        tail = "".join(f" AND {name} = ?" for name in _names(self.key))
+        found = next(self.rows(base, robot, tail, *key), None)
+        return None if found is None else found[len(key) :]
 
-    def rows(self, base: sqlite3.Connection, robot: str) -> Iterator[tuple[Any, ...]]:
-        """Yield keys and values of a robot's rows in the order of the key. Raises DamagedError as ``get``."""
+    def rows(self, base: sqlite3.Connection, robot: str, tail: str = "", *given: Any) -> Iterator[tuple[Any, ...]]:
+        """Yield keys and values of a robot's rows in the order of the key. Raises DamagedError as ``get``.
+
+        ``tail``: SQL that follows the condition on the robot, in the place of that order, with its parameters.
+        """
         names = ", ".join([*_names(self.key), "sum"])
-        query = f"SELECT {names}, {self._values} FROM {self.name} WHERE robot = ? ORDER BY {names}"
+        query = f"SELECT {names}, {self._values} FROM {self.name} WHERE robot = ? {tail or f'ORDER BY {names}'}"
         n = len(self.key)
-        for row in base.execute(query, (robot,)):
+        for row in base.execute(query, (robot, *given)):
             yield (*row[:n], *self._sound(robot, row[:n], row[n], row[n + 1 :]))
+
+    def keys(self, base: sqlite3.Connection, robot: str) -> set[tuple[Any, ...]]:
+        """Return the keys of a robot's rows, from both ends as far as they can be reached: of a damaged table, some."""
+        found: set[tuple[Any, ...]] = set()
+        names = _names(self.key)
+        for order in ("ASC", "DESC"):
+            by = ", ".join(f"{name} {order}" for name in names)
+            with suppress(sqlite3.Error, UnicodeError):
+                found.update(
+                    base.execute(f"SELECT {', '.join(names)} FROM {self.name} WHERE robot = ? ORDER BY {by}", (robot,))
+                )
+        return found
 
     def put(self, base: sqlite3.Connection, robot: str, rows: Iterable[Sequence[Any]]) -> None:
         """Keep rows, each a key and values, in the place of those with the same keys; within a transaction."""
@@ -68,11 +84,14 @@ class CheckedTable(NamedTuple):
             count, sums = count + (before is None), sums ^ new ^ (_whole(before[0]) if before else 0)
         self._know(base, robot, count, sums)
 
-    def drop_after(self, base: sqlite3.Connection, robot: str, last: Any) -> None:
-        """Let go of a robot's rows whose key is greater; within a transaction."""
-        (name,) = _names(self.key)
-        base.execute(f"DELETE FROM {self.name} WHERE robot = ? AND {name} > ?", (robot, last))
-        self._know(base, robot, *self._there(base, robot))
+    def drop(self, base: sqlite3.Connection, robot: str, where: str, *given: Any) -> None:
+        """Let go of a robot's rows of which an SQL condition holds; within a transaction."""
+        said = f"FROM {self.name} WHERE robot = ? AND ({where})"
+        gone = [one for (one,) in base.execute(f"SELECT sum {said}", (robot, *given))]
+        if gone:
+            base.execute(f"DELETE {said}", (robot, *given))
+            count, sums = self._known(base, robot)
+            self._know(base, robot, count - len(gone), functools.reduce(operator.xor, gone, sums))
 
     def check(self, base: sqlite3.Connection, robot: str) -> None:
         """Raise DamagedError where a robot's rows are not those that were written, as far as their sums tell."""
@@ -101,10 +120,17 @@ class CheckedTable(NamedTuple):
             raise DamagedError(f"the {self.name}{which and ' ' + which} of {robot} is damaged: its checksum is another")
         return values
 
-    def _there(self, base: sqlite3.Connection, robot: str) -> tuple[int, int]:
-        count = sums = 0
-        for (one,) in base.execute(f"SELECT sum FROM {self.name} WHERE robot = ?", (robot,)):
-            count, sums = count + 1, sums ^ _whole(one)
+    def _there(self, base: sqlite3.Connection, robot: str) -> tuple[int, int] | None:
+        """How many rows there are, and their checksums together; None where their keys are in no order to be found."""
+        names = ", ".join(["robot", *_names(self.key), "sum"])
+        count, sums, last = 0, 0, None
+        for *key, one in base.execute(f"SELECT {names} FROM {self.name} WHERE robot = ?", (robot,)):
+            try:
+                if key[0] != robot or (last is not None and not last < key):
+                    return None
+                count, sums, last = count + 1, sums ^ one, key
+            except TypeError:  # what was a number is none any more
+                return None
         return count, sums
 
     def _known(self, base: sqlite3.Connection, robot: str) -> tuple[int, int]:
@@ -126,5 +152,8 @@ def _names(columns: Iterable[str]) -> list[str]:
     return [column.split()[0] for column in columns]
 
 
-def _checksum(*said: Any) -> int:
-    return zlib.crc32(json.dumps(said).encode())
+def _checksum(name: str, robot: str, key: Sequence[Any], values: Sequence[Any]) -> int:
+    said = zlib.crc32(json.dumps([name, robot, key, [one for one in values if not isinstance(one, bytes)]]).encode())
+    for one in values:
+        said = zlib.crc32(one, said) if isinstance(one, bytes) else said
+    return said

@@ -12,7 +12,9 @@ from typing import Any
 
 from robophm.core.errors import StoreError
 from robophm.core.files import sync_folder, write_atomically
-from robophm.stores._tables import LEDGER, PROGRESS, REPORT, TABLES, make_tables
+from robophm.stores._checked_rows import CheckedTable
+from robophm.stores._tables import EVENT, LEDGER, PROGRESS, REPORT, TABLES, make_tables
+from robophm.stores.pyramid import Pyramid
 from robophm.stores.store import Restored
 
 KEEP_EVERY = 3600.0
@@ -56,28 +58,34 @@ def make_anew(path: Path) -> Restored | None:
                     continue
                 found[robot] = good[robot]
                 said.append(f"the past of {robot} is that of the last good state")
-        reports = {robot: list(_reports(base, robot)) for robot in found}
-    if not found:
-        raise StoreError(f"{path}: damaged, and no good state was kept beside it in {good_file(path).name}")
-    copy, new = path.with_name(f"{path.name}.damaged"), path.with_name(f"{path.name}.anew")
-    if copy.exists():
-        raise StoreError(f"{copy}: exists; expected no such file, to keep the damaged store in")
-    new.unlink(missing_ok=True)
-    with closing(sqlite3.connect(new, isolation_level=None)) as base:
+        if not found:
+            raise StoreError(f"{path}: damaged, and no good state was kept beside it in {good_file(path).name}")
+        copy, new = path.with_name(f"{path.name}.damaged"), path.with_name(f"{path.name}.anew")
+        if copy.exists():
+            raise StoreError(f"{copy}: exists; expected no such file, to keep the damaged store in")
+        new.unlink(missing_ok=True)
+        _write(new, found, base)
+    for end in ("", "-wal", "-shm"):
+        with suppress(FileNotFoundError):
+            Path(f"{path}{end}").rename(f"{copy}{end}")
+    new.rename(path)
+    sync_folder(path.parent)
+    return Restored(tuple(said) or ("what is damaged of its history is lost",), copy)
+
+
+def _write(path: Path, found: Mapping[str, Rows], damaged: sqlite3.Connection) -> None:
+    """Make a store of rows that are sound, and of what is sound in the history of a damaged one."""
+    with closing(sqlite3.connect(path, isolation_level=None)) as base:
         base.execute("PRAGMA journal_mode = WAL")
         base.execute("BEGIN IMMEDIATE")
         make_tables(base)
         for robot, rows in found.items():
             for table in (LEDGER, PROGRESS):
                 table.put(base, robot, rows[table.name])
-            REPORT.put(base, robot, reports[robot])
+            for table in (REPORT, EVENT):
+                table.put(base, robot, _sound_rows(table, damaged, robot))
+            Pyramid(base).take_rows(robot, Pyramid(damaged).sound_rows(robot))
         base.execute("COMMIT")
-    for end in ("", "-wal", "-shm"):
-        with suppress(FileNotFoundError):
-            Path(f"{path}{end}").rename(f"{copy}{end}")
-    new.rename(path)
-    sync_folder(path.parent)
-    return Restored(tuple(said) or ("what is damaged of its reports is lost",), copy)
 
 
 def _is_sound(base: sqlite3.Connection) -> bool:
@@ -89,6 +97,7 @@ def _is_sound(base: sqlite3.Connection) -> bool:
                 table.check(base, robot)
                 for _ in table.rows(base, robot):
                     pass
+            Pyramid(base).check(robot)
     except (sqlite3.Error, StoreError, ValueError):
         return False
     return True
@@ -109,18 +118,12 @@ def _robots(base: sqlite3.Connection) -> set[str]:
     return {one for one in found if isinstance(one, str)}
 
 
-def _reports(base: sqlite3.Connection, robot: str) -> Iterator[tuple[Any, ...]]:
-    """The reports that are sound, from both ends as far as they can be reached."""
-    times: set[int] = set()
-    for order in ("ASC", "DESC"):
-        with suppress(sqlite3.Error, UnicodeError):
-            times.update(
-                t for (t,) in base.execute(f"SELECT time FROM report WHERE robot = ? ORDER BY time {order}", (robot,))
-            )
-    for time in sorted(one for one in times if isinstance(one, int)):
+def _sound_rows(table: CheckedTable, base: sqlite3.Connection, robot: str) -> Iterator[tuple[Any, ...]]:
+    """The rows that are sound, as far as they can be reached."""
+    for key in table.keys(base, robot):
         with suppress(sqlite3.Error, StoreError, UnicodeError):
-            if row := REPORT.get(base, robot, time):
-                yield time, *row
+            if row := table.get(base, robot, *key):
+                yield *key, *row
 
 
 def _read_good(path: Path) -> dict[str, Rows]:

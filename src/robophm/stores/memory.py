@@ -2,54 +2,34 @@
 
 from __future__ import annotations
 
-import json
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator
+from contextlib import contextmanager
 
-from robophm.stores.store import Progress, Store
+from robophm.stores.sqlite import SqliteStore
 
 
-class MemoryStore(Store):
-    """Keeps everything as text, so that what is read back is never what somebody still changes."""
+class MemoryStore(SqliteStore):
+    """A store in SQLite that is in no file, and goes when nobody has it any more; for any threads, one at a time."""
 
     def __init__(self, where: str | os.PathLike[str] = "") -> None:
-        self._ledgers: dict[str, str] = {}
-        self._progress: dict[tuple[str, str], Progress] = {}
-        self._reports: dict[str, dict[int, str]] = {}
+        super().__init__(":memory:")
 
     @classmethod
     def exists(cls, where: str) -> bool:
         """Whether there is something: never, it is always new."""
         return False
 
-    def ledger(self, robot: str) -> Mapping[str, Any] | None:
-        """Return the robot's ledger as it was saved, or None."""
-        text = self._ledgers.get(robot)
-        return json.loads(text) if text is not None else None
+    @contextmanager
+    def alone(self, robot: str) -> Iterator[None]:
+        """Be the only one who goes on with a robot's past, as everybody is who has such a store."""
+        yield
 
-    def robots(self) -> list[str]:
-        """Return the names of the robots whose ledgers are kept, sorted."""
-        return sorted(self._ledgers)
+    def _keep_good(self) -> None:
+        """Keep nothing beside it."""
 
-    def progress(self, robot: str, recording: str) -> Progress:
-        """Return how far a recording has been replayed into this robot's ledger."""
-        return self._progress.get((robot, recording), Progress(recording))
+    def close(self) -> None:
+        """Close nothing: what it holds is there as long as somebody has it."""
 
-    def history(self, robot: str) -> Iterator[Mapping[str, Any]]:
-        """Yield the robot's reports, oldest first."""
-        for _, text in sorted(self._reports.get(robot, {}).items()):
-            yield json.loads(text)
-
-    def save(
-        self,
-        robot: str,
-        ledger: Mapping[str, Any],
-        progress: Iterable[Progress] = (),
-        reports: Sequence[Mapping[str, Any]] = (),
-    ) -> None:
-        """Keep the robot's ledger, the progress of its recordings, and its reports."""
-        texts = json.dumps(ledger), {int(report["time"]): json.dumps(report) for report in reports}
-        self._ledgers[robot] = texts[0]
-        self._reports.setdefault(robot, {}).update(texts[1])
-        self._progress.update({(robot, one.recording): one for one in progress})
+    def __del__(self) -> None:
+        super().close()

@@ -9,7 +9,7 @@ import sqlite3
 import time
 import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +17,13 @@ from robophm.core.errors import StoreError
 from robophm.core.single_writer import only_one
 from robophm.stores._checked_rows import DamagedError
 from robophm.stores._good_state import KEEP_EVERY, good_file, keep_good, make_anew
-from robophm.stores._tables import LEDGER, PROGRESS, REPORT, TABLES, bring_up_to_date, make_tables, version_of
-from robophm.stores.store import NoRoomError, Progress, Restored, Store
+from robophm.stores._tables import LEDGER, PROGRESS, TABLES, VERSION
+from robophm.stores.alarm_log import AlarmLog
+from robophm.stores.events import Event
+from robophm.stores.kept_history import HistoryOf, KeptHistory
+from robophm.stores.migration import known_version, migrate
+from robophm.stores.sqlite_alarms import SqliteAlarms
+from robophm.stores.store import History, NoRoomError, Progress, Restored, Store
 
 LONGEST_WAIT = 10.0
 """The most seconds to wait for others who write to the same store, or make it."""
@@ -37,6 +42,7 @@ class SqliteStore(Store):
         self._revisions: dict[str, int] = {}  # of the ledgers that were read: who saves later must have read that one
         with self._errors():
             self._base = _connected(self.path)
+        self._history = KeptHistory(self._base)
         try:
             with self._errors():
                 self._open()
@@ -54,25 +60,26 @@ class SqliteStore(Store):
                 if "locked" not in str(error) or time.monotonic() > until:
                     raise
                 time.sleep(0.01)
-        bring_up_to_date(self._base, self.path)
         self._base.execute("PRAGMA synchronous = FULL")
 
     def _make(self) -> None:
-        """Make the tables, unless they are there or somebody else makes them."""
-        if not self._is_empty():
+        """Make the tables, or bring those of an earlier version to this one, unless somebody else has done so."""
+        begun = known_version(self._base, self.path)
+        if begun == VERSION:
             return
         self._base.execute("PRAGMA journal_mode = WAL")
         self._base.execute("BEGIN IMMEDIATE")
         try:
-            if self._is_empty():  # nobody else has made them meanwhile
-                make_tables(self._base)
+            if known_version(self._base, self.path) != VERSION:  # nobody else has made them meanwhile
+                migrate(self._base)
             self._base.execute("COMMIT")
         except BaseException:
-            self._base.execute("ROLLBACK")
+            if self._base.in_transaction:
+                self._base.execute("ROLLBACK")
             raise
-
-    def _is_empty(self) -> bool:
-        return not version_of(self._base) and not self._base.execute("SELECT count(*) FROM sqlite_schema").fetchone()[0]
+        if begun:
+            with suppress(sqlite3.OperationalError):  # the file may stay as large as it was: what is free is used again
+                self._base.execute("VACUUM")
 
     @classmethod
     def restore(cls, where: str) -> Restored | None:
@@ -109,12 +116,9 @@ class SqliteStore(Store):
                 self._whole.add(robot)
         return Progress(recording, row[0], bool(row[1]), json.loads(row[2])) if row else Progress(recording)
 
-    def history(self, robot: str) -> Iterator[Mapping[str, Any]]:
-        """Yield the robot's reports, oldest first."""
-        with self._errors():
-            REPORT.check(self._base, robot)
-            for _, body in REPORT.rows(self._base, robot):
-                yield json.loads(body)
+    def history(self, robot: str) -> History:
+        """Return what is kept of the robot's reports, of all its time."""
+        return HistoryOf(self._history, robot, self._errors)
 
     def save(
         self,
@@ -122,9 +126,13 @@ class SqliteStore(Store):
         ledger: Mapping[str, Any],
         progress: Iterable[Progress] = (),
         reports: Sequence[Mapping[str, Any]] = (),
+        events: Sequence[Event] = (),
     ) -> None:
         """Keep all of it, or none. Raises StoreError, as on a full disk or after somebody else's save."""
-        self._save(robot, ledger, progress, reports, None)
+        with self._saving(robot, ledger):
+            self._history.add(robot, ledger, reports, events)
+            done = [(one.recording, one.position, int(one.complete), json.dumps(one.notes)) for one in progress]
+            PROGRESS.put(self._base, robot, done)
 
     @contextmanager
     def alone(self, robot: str) -> Iterator[None]:
@@ -141,8 +149,13 @@ class SqliteStore(Store):
             yield
 
     def bring_back(self, robot: str, ledger: Mapping[str, Any], time: int) -> None:
-        """Keep a ledger that was brought back to a time [ns], and no report of a later one. Raises StoreError."""
-        self._save(robot, ledger, (), (), time)
+        """Keep a ledger that was brought back to a time [ns], and nothing of a later one. Raises StoreError."""
+        with self._saving(robot, ledger):
+            self._history.drop_after(robot, time)
+
+    def alarm_log(self, robot: str) -> AlarmLog:
+        """Return the log of a robot's alarms, in a table beside the others."""
+        return SqliteAlarms(self._base, robot, self._errors)
 
     def copy_to(self, path: Path) -> None:
         """Copy all of it into a new file. Raises StoreError where that is there, or cannot be written."""
@@ -151,12 +164,10 @@ class SqliteStore(Store):
         with self._errors(), closing(sqlite3.connect(path)) as copy:
             self._base.backup(copy)
 
-    def _save(
-        self, robot: str, ledger: Mapping[str, Any], progress: Iterable[Progress], reports: Sequence[Mapping[str, Any]],
-        last: int | None,
-    ) -> None:  # fmt: skip
-        rows = [(report["time"], json.dumps(report)) for report in reports]
-        done = [(one.recording, one.position, int(one.complete), json.dumps(one.notes)) for one in progress]
+    @contextmanager
+    def _saving(self, robot: str, ledger: Mapping[str, Any]) -> Iterator[None]:
+        """A transaction that keeps a ledger, and what is done meanwhile."""
+        state = json.dumps(ledger)
         with self._errors():
             self._base.execute("BEGIN IMMEDIATE")
             try:
@@ -166,17 +177,18 @@ class SqliteStore(Store):
                     raise StoreError(
                         f"{self.path}: another process has gone on with {robot}; nothing was saved over it"
                     )
-                LEDGER.put(self._base, robot, [(revision + 1, json.dumps(ledger))])
-                PROGRESS.put(self._base, robot, done)
-                if last is not None:
-                    REPORT.drop_after(self._base, robot, last)
-                REPORT.put(self._base, robot, rows)
+                LEDGER.put(self._base, robot, [(revision + 1, state)])
+                yield
                 self._base.execute("COMMIT")
                 self._revisions[robot] = revision + 1
             except BaseException:
                 if self._base.in_transaction:  # a full disk may have rolled back already
                     self._base.execute("ROLLBACK")
                 raise
+        self._keep_good()
+
+    def _keep_good(self) -> None:
+        """Keep what is good beside the file, once in a while."""
         if time.monotonic() - (self._good_at or -math.inf) > KEEP_EVERY:
             if self._good_at is not None or not good_file(self.path).exists():
                 keep_good(self.path, self._base)
@@ -195,7 +207,7 @@ class SqliteStore(Store):
             yield
         except DamagedError as error:
             raise StoreError(f"{self.path}: {error}; robophm store repair goes back to the last good state") from None
-        except (sqlite3.Error, UnicodeError, OSError, json.JSONDecodeError) as error:
+        except (sqlite3.Error, zlib.error, UnicodeError, OSError, json.JSONDecodeError) as error:
             full = getattr(error, "sqlite_errorname", "").startswith(("SQLITE_FULL", "SQLITE_IOERR"))
             kind = NoRoomError if full else StoreError
             raise kind(f"{self.path}: {error}; expected a robophm store that can be read and written") from None
@@ -207,5 +219,5 @@ def _connected(path: Path) -> sqlite3.Connection:
     read_only = path.is_file() and not (os.access(path, os.W_OK) and os.access(path.parent, os.W_OK))
     if read_only and not (log.exists() and log.stat().st_size):
         address = f"{path.absolute().as_uri()}?mode=ro&immutable=1"
-        return sqlite3.connect(address, timeout=LONGEST_WAIT, isolation_level=None, uri=True)
-    return sqlite3.connect(path, timeout=LONGEST_WAIT, isolation_level=None)
+        return sqlite3.connect(address, timeout=LONGEST_WAIT, isolation_level=None, uri=True, check_same_thread=False)
+    return sqlite3.connect(path, timeout=LONGEST_WAIT, isolation_level=None, check_same_thread=False)

@@ -10,6 +10,18 @@ from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 from robophm.core.errors import StoreError
+from robophm.stores.alarm_log import AlarmLog, AlarmsInMemory
+from robophm.stores.events import Event
+from robophm.stores.figures import FigureSeries
+
+POINTS = 1000
+"""Points of a series, unless another number is asked for."""
+
+MOST_POINTS = 10_000
+"""The most points of a series."""
+
+MOST_EVENTS = 1000
+"""Events that are told at once, unless another number is asked for."""
 
 
 class NoRoomError(StoreError):
@@ -35,6 +47,33 @@ class Restored(NamedTuple):
     """Sentences, without their point, on all that is not as it was."""
     copy: Path
     """The damaged store, which was kept."""
+
+
+class History(ABC):
+    """The past of one robot: figures for ever, events for ever, whole reports thinned as they grow old."""
+
+    @abstractmethod
+    def reports(self) -> Iterator[Mapping[str, Any]]:
+        """Yield the reports that are kept whole, oldest first. Raises StoreError, as the others do."""
+
+    @abstractmethod
+    def figures(self, start: int | None = None, end: int | None = None, points: int = POINTS) -> FigureSeries:
+        """Return the figures of the reports from a time until before another [ns], None being open.
+
+        There are at most so many points, from 2 to MOST_POINTS; where there were more reports, each is the lowest, mean
+        and highest of a span of time. No report's figures are ever left out.
+        """
+
+    @abstractmethod
+    def report_at(self, time: int) -> Mapping[str, Any] | None:
+        """Return the last report that is kept up to a time [ns], else the first after it; None where there is none."""
+
+    @abstractmethod
+    def events(self, start: int | None = None, end: int | None = None, most: int = MOST_EVENTS) -> list[Event]:
+        """Return the events from a time until before another [ns], None being open, oldest first.
+
+        Where there are more than ``most`` of them, those are the latest.
+        """
 
 
 class Store(ABC):
@@ -67,8 +106,8 @@ class Store(ABC):
         """Return how far a recording has been replayed into this robot's ledger."""
 
     @abstractmethod
-    def history(self, robot: str) -> Iterator[Mapping[str, Any]]:
-        """Yield the robot's reports, oldest first."""
+    def history(self, robot: str) -> History:
+        """Return what is kept of the robot's reports, of all its time."""
 
     @abstractmethod
     def save(
@@ -77,8 +116,11 @@ class Store(ABC):
         ledger: Mapping[str, Any],
         progress: Iterable[Progress] = (),
         reports: Sequence[Mapping[str, Any]] = (),
+        events: Sequence[Event] = (),
     ) -> None:
-        """Keep all of it, or none. A report replaces the one of the same time.
+        """Keep all of it, or none. A report replaces the one of the same time; old ones are thinned.
+
+        Events that reports and ledger tell of need not be given.
 
         Raises StoreError, also where the ledger has been saved by somebody else since this store read it.
         """
@@ -88,8 +130,13 @@ class Store(ABC):
         """Be the only one who goes on with a robot's past, as long as the context lasts. Raises StoreError if not."""
         yield
 
+    def alarm_log(self, robot: str) -> AlarmLog:
+        """Return the log of a robot's alarms; one that lasts as long as the store is open, unless it keeps a better."""
+        logs: dict[str, AlarmLog] = vars(self).setdefault("_alarm_logs", {})
+        return logs.setdefault(robot, AlarmsInMemory())
+
     def bring_back(self, robot: str, ledger: Mapping[str, Any], time: int) -> None:
-        """Keep a ledger that was brought back to a time [ns], and no report of a later one. Raises StoreError."""
+        """Keep a ledger that was brought back to a time [ns], and nothing of a later one. Raises StoreError."""
         raise StoreError("this kind of store cannot be brought back to a time; expected one in SQLite")
 
     def copy_to(self, path: Path) -> None:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Any, Literal
 
 from robophm.core.signal import SECOND
 from robophm.health.plant import Plant
@@ -163,6 +163,10 @@ class Health(Shape):
     """Value of survival of which the design wants to know the time; null where it states none."""
     limits_set: bool
     """Whether the design sets any threshold: without one nothing can be called too low."""
+    alarms: int
+    """Number of alarms that go on."""
+    unacknowledged: int
+    """Number of those of which nobody has taken note."""
     sensors: list[Freshness]
     notes: list[str]
     task: TaskWords | None
@@ -171,12 +175,18 @@ class Health(Shape):
 def health_of(
     report: HealthReport, lives: HealthReport | None, run: Run | None, *, why: Explanation | None,
     design_changed: bool, sensors: list[Freshness], horizon: float | None = None,
+    alarms: Sequence[Mapping[str, Any]] = (),
 ) -> Health:  # fmt: skip
-    """Return all that is known. ``lives`` may be an older report that has remaining lives."""
+    """Return all that is known. ``lives`` may be an older report that has remaining lives, ``alarms`` go on now."""
     latest = {subject.path: subject for subject in lives.subjects} if lives else {}
     seen = report if lives is None or lives is report else with_earlier_look(report, lives)
     told = [*([run.error] if run and run.error else []), *seen.breaches]
-    state: Literal["ok", "warn", "error", "stale", "idle"] = "error" if told else seen.state
+    severities = {one["severity"] for one in alarms}
+    state: Literal["ok", "warn", "error", "stale", "idle"] = seen.state
+    if told or "error" in severities:
+        state = "error"
+    elif state == "ok" and severities:
+        state = "warn"
     if state == "ok" and (run is None or run.state == "stopped"):
         state = "idle"  # nobody knows whether it is still well
     return Health(
@@ -197,6 +207,8 @@ def health_of(
         to_come=_to_come(lives, horizon) if lives else None,
         survival=report.design.thresholds.survival,
         limits_set=report.design.limited,
+        alarms=len(alarms),
+        unacknowledged=sum(not one["acknowledged_by"] for one in alarms),
         sensors=sensors,
         notes=list(report.notes),
         task=TaskWords(distance=report.task.distance, duration=report.task.duration) if report.task else None,

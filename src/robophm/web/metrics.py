@@ -54,6 +54,13 @@ def _lines(service: Service) -> Iterator[str]:
         for view in ("nominal", "sensor_based"):
             value = getattr(report.system, view).completion.probability
             yield f'robophm_task_completion_ratio{{robot="{robot}",view="{view}"}} {_number(value)}'
+    with service.monitoring.alarm_log(run.robot) as log:
+        alarms = log.alarms(open_only=True)
+    yield "# HELP robophm_alarm An alarm that goes on"
+    yield "# TYPE robophm_alarm gauge"
+    for one in alarms:
+        labels = ",".join(f'{name}="{_label(one[name])}"' for name in ("what", "path", "severity"))
+        yield f'robophm_alarm{{robot="{robot}",{labels}}} 1'
     yield "# HELP robophm_parts_of_unknown_rate Parts that the figures leave out"
     yield "# TYPE robophm_parts_of_unknown_rate gauge"
     left_out = report.system.unknown

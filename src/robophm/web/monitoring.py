@@ -6,8 +6,8 @@ import logging
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -17,17 +17,20 @@ from robophm.core.signal import Sample
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
 from robophm.health.report import HealthReport
-from robophm.health.reporting import health_report
+from robophm.health.reporting import health_report, with_earlier_look
 from robophm.health.why import Explanation, explain
+from robophm.monitoring.alarm_watch import AlarmWatch
 from robophm.monitoring.live_loop import watch
 from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.notices import Notices
 from robophm.monitoring.replay import kept_ledger
 from robophm.monitoring.stored_past import unknown_robot
 from robophm.monitoring.task_history import TaskRecord, judge_on_the_way
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.stores import Address, open_store, store_exists
+from robophm.stores.alarm_log import AlarmLog, AlarmsInMemory
 from robophm.stores.memory import MemoryStore
-from robophm.stores.store import Progress, Store
+from robophm.stores.store import Store
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.recordings.paced import Paced
 from robophm.transports.signals.report_sink import JudgedTask
@@ -122,32 +125,23 @@ class _Tapped(LiveSource):
         self._source.close()
 
 
-class _PastAlone(MemoryStore):
-    """A store of ledgers that keeps no reports, of which nobody asks and which would become many."""
-
-    def save(
-        self,
-        robot: str,
-        ledger: Mapping[str, Any],
-        progress: Iterable[Progress] = (),
-        reports: Sequence[Mapping[str, Any]] = (),
-    ) -> None:
-        super().save(robot, ledger, progress)
-
-
 class Monitoring:
     """Watches one robot at a time; for any number of threads."""
 
     def __init__(
-        self, store: Address | None = None, journal: Path | None = None, period: float = 1.0, *, own: bool = False
-    ) -> None:
+        self, store: Address | None = None, journal: Path | None = None, period: float = 1.0, *, own: bool = False,
+        notices: Notices | None = None,
+    ) -> None:  # fmt: skip
         """Keep the robot's past in a store, or without one as long as this lives.
 
         ``own``: the store is of this robot alone, and not of what recordings are played of.
         """
+        self._notices = notices or Notices()
         self._store, self._journal, self._period, self._own = store, journal, period, own
-        self._played: dict[str, _PastAlone] = {}
+        self._played: dict[str, MemoryStore] = {}
         """Pasts that are in no store, by the name of their source: of recordings until their end."""
+        self._shown: MemoryStore | None = None
+        """The past that the latest run goes to, where it is in no store."""
         self._lock = threading.Lock()
         self._source: SignalSource | None = None
         self._thread: threading.Thread | None = None
@@ -168,6 +162,7 @@ class Monitoring:
             if not robot.signals:
                 raise SourceError("the design listens to nothing; bind a sensor first")
             with self._store_of(choice) as store:
+                self._shown = store if isinstance(store, MemoryStore) else None
                 ledger = self._kept(robot, store)
             source = choice.open(speed)
             try:
@@ -221,7 +216,7 @@ class Monitoring:
         """The store that a source's samples go to."""
         if self._store and not (self._own and choice.paced):
             return open_store(self._store)
-        return self._played.setdefault(choice.name, _PastAlone())
+        return self._played.setdefault(choice.name, MemoryStore())
 
     def _kept(self, robot: Robot, store: Store) -> Ledger | None:
         """The robot's ledger in a store. Raises StoreError where the store is its own, and knows it by another name."""
@@ -235,6 +230,17 @@ class Monitoring:
         if self._own and self._store and store_exists(self._store):
             with open_store(self._store) as store:
                 self._kept(robot, store)
+
+    @contextmanager
+    def alarm_log(self, robot: Robot) -> Iterator[AlarmLog]:
+        """The log of a robot's alarms: of the latest run, else of the store, else an empty one. Raises StoreError."""
+        if self._shown:
+            yield self._shown.alarm_log(robot.identity)
+        elif self._store and store_exists(self._store):
+            with open_store(self._store) as store:
+                yield store.alarm_log(robot.identity)
+        else:
+            yield AlarmsInMemory()
 
     def pasts(self, identity: str) -> list[Mapping[str, Any]]:
         """Return the pasts of a robot by its identity, as ledgers keep them: of the latest run, and of the store.
@@ -251,13 +257,25 @@ class Monitoring:
             found += [kept] if kept else []
         return found
 
+    @contextmanager
+    def history(self) -> Iterator[Store | None]:
+        """Give the store in which the past of the latest run is, else the robot's own; None where there is none."""
+        if self._shown:
+            yield self._shown
+        elif self._store and store_exists(self._store):
+            with open_store(self._store) as store:
+                yield store
+        else:
+            yield None
+
     def _watch(self, run: Run, source: SignalSource, told: object, board: Board, choice: Choice) -> None:
         try:
             with ExitStack() as stack:
                 stack.callback(source.close)
                 store = stack.enter_context(self._store_of(choice))
                 journal = stack.enter_context(Journal(self._journal, run.robot.signals)) if self._journal else None
-                look = _Looking(run, board)
+                alarms = AlarmWatch(run.robot, store.alarm_log(run.robot.identity), [self._notices.of(run.robot.name)])
+                look = _Looking(run, board, alarms)
 
                 def begin(monitor: Monitor) -> None:
                     look.warm(monitor)
@@ -267,7 +285,8 @@ class Monitoring:
                 tapped = _Tapped(source, board, run)
                 monitor = watch(
                     run.robot, tapped, store=store, journal=journal, period=self._period, on_tick=look, on_start=begin,
-                    task_topics=TASK_TOPICS if isinstance(source, LiveSource) else (), on_task=run.judged.append,
+                    task_topics=(*TASK_TOPICS, *source.task_topics) if isinstance(source, LiveSource) else (),
+            on_task=run.judged.append,
                 )  # fmt: skip
                 newest = monitor.ledger.newest or 0
                 monitor.marks = [mark for mark in monitor.marks if mark[0] <= newest]
@@ -287,8 +306,8 @@ class Monitoring:
 class _Looking:
     """Takes a report when it is time to: so that looking takes a tenth of the time at most."""
 
-    def __init__(self, run: Run, board: Board) -> None:
-        self._run, self._board = run, board
+    def __init__(self, run: Run, board: Board, alarms: AlarmWatch) -> None:
+        self._run, self._board, self._alarms = run, board, alarms
         self._wear = WearWatch(run.robot, alarms=True)
         self._due = {False: 0.0, True: 0.0}
 
@@ -322,6 +341,7 @@ class _Looking:
         if full:
             _ = report.failures_to_come  # here, so that whoever looks does not wait for it
             run.lives, run.why = report, explain(report)
+        self._alarms.look(with_earlier_look(report, run.lives) if run.lives and not full else report)
         run.looks += 1
         if report.time is not None:
             self._board.add_all(report.time, figures_of(report))

@@ -24,6 +24,7 @@ from robophm.health.ledger import Ledger
 from robophm.health.ledger_parts import Fate, fates, lived
 from robophm.health.outlooks import View, outlooks
 from robophm.health.prognosis import Outlook
+from robophm.monitoring.notices import Notices
 from robophm.stores import Address
 from robophm.web.jobs import Jobs
 from robophm.web.monitoring import Monitoring
@@ -66,6 +67,8 @@ class Settings:
     token: str | None = None
     own_store: bool = False
     """Whether the store is this robot's alone, as one beside its design is: recordings that are played do not count."""
+    notify: tuple[str, ...] = ()
+    """Addresses that are told of alarms."""
 
 
 class Service:
@@ -74,7 +77,8 @@ class Service:
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
         self.workspace = Workspace(settings.design)
-        self.monitoring = Monitoring(settings.store, settings.journal, own=settings.own_store)
+        self.notices = Notices(settings.notify)
+        self.monitoring = Monitoring(settings.store, settings.journal, own=settings.own_store, notices=self.notices)
         self.jobs = Jobs()
         self.received = ReceivedFiles(settings.design.with_name(settings.design.name + ".files"), settings.recordings)
         """The files that were handed in for a draft of the robot, in a folder beside its design."""
@@ -218,6 +222,7 @@ class Service:
         for thread in self._threads:  # a thread that still computes when the process ends may abort it
             thread.join(timeout=LONGEST_END)
         self.monitoring.stop(within=QUICK_END)
+        self.notices.close()
         self.jobs.close()
         self.workspace.close()
 

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize
 
 from robophm.core.errors import DataError
-from robophm.learning.wear.among_others import LIFE_SCATTER, Unit, forecast_among
+from robophm.learning.wear.among_others import LIFE_SCATTER, Unit, forecast_among, stacked
 from robophm.learning.wear.averaging import forecast
 from robophm.learning.wear.log_regression import lasting
 
@@ -150,3 +151,28 @@ def test_others_that_are_none(unit, expected):
     t = np.arange(10.0)
     with pytest.raises(DataError, match=expected):
         forecast_among([unit], t, 0.02 * t**1.5, 1.0)
+
+
+def test_weights_are_the_shares_of_kinds():
+    """By a general optimiser: Dirichlet's prior of one unit, times the likelihood of a mixture of the ways."""
+    rng = np.random.default_rng(4)
+    prior = {"a": 0.5, "b": 0.3, "c": 0.2}
+    logs = rng.normal(0, 2, (7, 3))
+    share = np.array(list(prior.values()))
+
+    def off(free):
+        weights = np.exp(free) / np.exp(free).sum()
+        return -np.log(np.exp(logs) @ weights).sum() - share @ np.log(weights)
+
+    best = minimize(off, np.zeros(3), tol=1e-12).x
+    found = stacked(prior, dict(zip(prior, logs.T.tolist(), strict=True)))
+    assert [*found.values()] == pytest.approx(np.exp(best) / np.exp(best).sum(), abs=1e-3)
+    assert stacked(prior, {"a": [], "b": [], "c": []}) == pytest.approx(prior)
+    # One that was not asked is as good as the mean of those that were, here all alike.
+    assert stacked(prior, {"a": [-1.0, -1.0], "b": [], "c": [-1.0]}) == pytest.approx(prior)
+
+
+def test_one_of_another_kind_keeps_the_way_that_foretells_its_kind():
+    """Of ten others nine went as one way says, one as the other does: the next may be either."""
+    found = stacked({"a": 0.5, "b": 0.5}, {"a": [0.0] * 9 + [-15.0], "b": [-15.0] * 9 + [0.0]})
+    assert found == pytest.approx({"a": 9.5 / 11, "b": 1.5 / 11}, abs=1e-4)

@@ -6,7 +6,7 @@ from scipy.stats import norm
 
 from robophm.learning.wear import stated_life
 from robophm.learning.wear.among_others import Unit, forecast_among
-from robophm.learning.wear.averaging import Forecast
+from robophm.learning.wear.averaging import Forecast, forecast
 from robophm.learning.wear.stated_life import StatedLife
 from robophm.learning.wear.trend_bend import Bend
 from robophm.life.exponential import Exponential
@@ -69,7 +69,10 @@ def test_it_counts_alone_and_not_beside_others_that_wore_out():
     t = np.arange(1.0, 31.0)
     stated = StatedLife(Weibull(scale=60.0, shape=6.0), 0.0)
     y = 1 + 0.03 * t + 0.02 * np.random.default_rng(2).standard_normal(30)
-    alone, by_life = (forecast_among([], t, y, 3.0, stated=one).remaining for one in (None, stated))
+    alone, by_life = (
+        forecast(t, y, 3.0, law_ends=False).remaining,
+        forecast_among([], t, y, 3.0, stated=stated).remaining,
+    )
     assert by_life.high - by_life.low < alone.high - alone.low
     others = [Unit(np.arange(1.0, end), 1 + 2.05 * np.arange(1.0, end) / end) for end in (150.0, 180.0, 220.0)]
     among = [forecast_among(others, t, y, 3.0, stated=one).remaining for one in (None, stated)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -17,6 +18,7 @@ from typing import Any
 import pytest
 
 from robophm.core.signal import SECOND
+from robophm.stores import open_store
 from robophm.transports.mqtt import Mqtt
 
 from ..listener import Heard, within
@@ -123,6 +125,7 @@ signals:
   temperature: {topic: /state, unit: degC, max_age: 2 s, range: [-40, 125],
                 field: 'information[temperatures].infoReferences[left].referenceValue'}
 components: {motor: {rate: 0.01 /h, acceleration: {model: q10, reference_temperature: 31.5 degC}}}
+thresholds: {signals: {'/state.information[temperatures].infoReferences[left].referenceValue': {above: 40 degC}}}
 """
 
 
@@ -131,6 +134,68 @@ def _speak(robot: Robot, over: threading.Event) -> None:
     while not over.wait(0.1):
         number += 1
         robot.say("/state", state(number, 80.0))
+
+
+def test_an_order_is_judged_when_it_arrives_and_when_it_is_done(broker: Broker, robot: Robot, tmp_path: Path) -> None:
+    """5 m at 0.5 m/s and 6 m at a metre a second, 16 s, at 0.01 /h; it is lived at up to twice that rate."""
+    (tmp_path / "robot.yaml").write_text(DESIGN)
+    for which in ("predicted", "actual"):
+        robot.hear(f"{ROOT}/phm/task_{which}")
+    robot.hear(f"{ROOT}/phm_hazard_rate")
+    words = ["watch", "robot.yaml", "--via", broker.address(ROOT), "--period", "0.5", "--every", "0.5"]
+    words += ["--speed", "1 m/s"]
+    process = subprocess.Popen([sys.executable, "-m", "robophm", *words], cwd=tmp_path, stdout=subprocess.DEVNULL,
+                               stderr=subprocess.PIPE, text=True)  # fmt: skip
+    over, said = threading.Event(), {"orderId": "", "nodeStates": []}
+
+    def speak() -> None:
+        number = 0
+        while not over.wait(0.1):
+            number += 1
+            robot.say("/state", state(number, 80.0, **said))
+
+    def judged(which: str) -> list[dict[str, Any]]:
+        return [json.loads(raw) for topic, raw in list(robot.heard) if topic == f"{ROOT}/phm/task_{which}"]
+
+    def ticks() -> int:
+        return sum(topic.endswith("/phm_hazard_rate") for topic, _ in list(robot.heard))
+
+    speaking = threading.Thread(target=speak)
+    speaking.start()
+    try:
+        assert process.stderr is not None
+        assert process.stderr.readline().startswith("listening to MQTT")
+        nodes = [{"nodeId": f"n{k}", "sequenceId": 2 * k, "released": True, "actions": []} for k in range(3)]
+        edges = [{"edgeId": f"e{k}", "sequenceId": 2 * k + 1, "released": True, "startNodeId": f"n{k}", "actions": [],
+                  "endNodeId": f"n{k + 1}", "length": length} | more
+                 for k, (length, more) in enumerate([(5.0, {"maxSpeed": 0.5}), (6.0, {})])]  # fmt: skip
+        order = header(1) | {"orderId": "bring", "orderUpdateId": 0, "nodes": nodes, "edges": edges}
+
+        def planned() -> bool:
+            robot.say("/order", order)  # again, until somebody listens; it plans nothing twice
+            return bool(judged("predicted"))
+
+        within(60, planned)
+        predicted = judged("predicted")[0]
+        assert (predicted["topic"], predicted["distance"]) == ("/order", 11)
+        assert predicted["duration"] * 3600 == pytest.approx(16, rel=1e-12)
+        assert predicted["failure_nominal"] == pytest.approx(-math.expm1(-0.01 * 16 / 3600), rel=1e-9)
+        within(60, lambda: ticks() > 5)
+        said |= {"orderId": "bring", "nodeStates": nodes[1:]}  # of a robot of which something is known
+        begun = ticks()
+        within(60, lambda: ticks() > begun + 3)
+        said |= {"nodeStates": []}
+        within(60, lambda: bool(judged("actual")))
+        (actual,) = judged("actual")
+        assert (actual["topic"], actual["distance"]) == ("/state", 11)
+        assert actual["duration"] * 3600 > 0.5
+        assert 1 < actual["failure_sensor_based"] / actual["failure_nominal"] < 2 + 1e-6
+    finally:
+        over.set()
+        process.send_signal(signal.SIGINT)
+        _, warned = process.communicate(timeout=50)
+        speaking.join()
+    assert process.returncode == 0, warned
 
 
 def _statuses(robot: Robot, name: str) -> list[dict[str, Any]]:
@@ -161,6 +226,7 @@ def test_watch_ages_by_what_it_says_and_tells_its_health(broker: Broker, robot: 
     robot.hear(f"{ROOT}/phm_hazard_rate")
     robot.hear(f"{ROOT}/diagnostics")
     words = ["watch", "robot.yaml", "--via", broker.address(ROOT), "--period", "0.5", "--every", "0.5", "--json"]
+    words += ["--store", "past.db"]
     process = subprocess.Popen(
         [sys.executable, "-m", "robophm", *words], cwd=tmp_path, text=True, stdout=subprocess.PIPE,
         stderr=subprocess.PIPE, env=os.environ,
@@ -169,7 +235,8 @@ def test_watch_ages_by_what_it_says_and_tells_its_health(broker: Broker, robot: 
         assert process.stderr is not None
         assert process.stderr.readline() == f"listening to MQTT (mqtt): {broker.address(ROOT)}, as asked\n"
         assert process.stdout is not None
-        robots = (json.loads(line)["subjects"][0] for line in process.stdout)
+        lines, alarms = (json.loads(line) for line in process.stdout), list[dict[str, Any]]()
+        robots = (one["subjects"][0] for one in lines if "alarm" not in one or alarms.append(one["alarm"]))
         over, speaking = threading.Event(), threading.Thread(target=lambda: _speak(robot, over))
         speaking.start()
         assert any(one["sensor_based"]["hazard_rate"] == pytest.approx(0.02, rel=1e-9) for one in robots)
@@ -180,6 +247,9 @@ def test_watch_ages_by_what_it_says_and_tells_its_health(broker: Broker, robot: 
         assert silent["sensor_based"]["hazard_rate"] == pytest.approx(0.02, rel=1e-9)
         assert silent["silence"].endswith(f" of {LEFT}")
         within(5, lambda: f"stale {LEFT}" in _said(robot, "AMR"))
+        # the alarm on 41.5 °C began while it was heard, goes on in its silence, and nobody knows whether it does
+        within(5, lambda: "; whether it goes on is not known" in _said(robot, f"alarm: {LEFT} above (error)"))
+        assert _statuses(robot, f"alarm: {LEFT} above (error)")[0]["message"] == f"{LEFT}: 41.5 °C is above 40 °C"
         count = len(_rates(robot))
         within(5, lambda: len(_rates(robot)) > count + 1)
         assert _rates(robot)[-1] == pytest.approx(0.02, rel=1e-6)
@@ -191,3 +261,9 @@ def test_watch_ages_by_what_it_says_and_tells_its_health(broker: Broker, robot: 
         process.send_signal(signal.SIGINT)
         _, warned = process.communicate(timeout=50)
     assert process.returncode == 0, warned
+    assert [(one["what"], one["doubt"] != "") for one in alarms][:2] == [
+        (f"{LEFT} above (error)", False), (f"{LEFT} above (error)", True),
+    ]  # fmt: skip
+    with open_store(tmp_path / "past.db") as store:
+        (kept,) = [one for one in store.alarm_log("AMR").alarms(open_only=True) if one["severity"] == "error"]
+    assert (kept["begin"], kept["cause"]) == (alarms[0]["begin"], alarms[0]["cause"])

@@ -371,3 +371,16 @@ components:
     path = write_messages(tmp_path / "drive.mcap", said)
     words = f"no finite number: {signal}; expected a number without its unit"
     assert f"3 samples not taken: {words}" in replay(parse(design), path).notes
+
+
+def test_names_are_looked_for_at_several_places_and_more_may_be(tmp_path, write_messages):
+    """A node that speaks from three quarters on is listed, and that others may be missing is said where they may."""
+    said = [diagnostics(T0 + step * SECOND, [("late" if step >= 150 else "early", "1.5")]) for step in range(200)]
+    path = write_messages(tmp_path / "drive.mcap", said)
+    with Recording(path) as recording:
+        names = recording.names()["/diagnostics"]["status[arm: motor 1].values[]"]
+    assert names == ["early", "late"]
+    words = " ".join(CliRunner().invoke(app, ["data", "list", str(path)]).stdout.split())
+    assert "maybe others" in words
+    few = write_messages(tmp_path / "few.mcap", said[:70])
+    assert "maybe others" not in " ".join(CliRunner().invoke(app, ["data", "list", str(few)]).stdout.split())

@@ -74,6 +74,18 @@ def test_from_files_to_the_first_health_of_a_robot_that_is_watched(nothing, visi
     assert "lidar" in (nothing.design.parent / "assumptions.md").read_text()
 
 
+def test_a_service_without_a_robot_invites_and_names_the_files_that_it_takes(nothing, visit):
+    look = visit(nothing)
+    page = look.open("design")
+    assert page.get_by_text("to mend").count() == 0
+    page.get_by_role("button", name="No robot yet: begin here").click()
+    page.get_by_role("heading", name="No robot yet").wait_for()
+    hint = page.get_by_text("Drop its URDF").inner_text()
+    for ending in (".bag", ".bin", ".db3", ".mcap", ".parquet", ".tlog", ".ulg", ".csv", ".ods", ".xlsx"):
+        assert ending in hint
+    assert look.serious() == []
+
+
 def test_what_cannot_be_read_is_refused_in_words_and_leaves_nothing_behind(nothing, visit, tmp_path):
     (tmp_path / "bad.urdf").write_text('<robot name="r"><link name=></robot>')
     (tmp_path / "wheel.stl").write_bytes(b"solid wheel")

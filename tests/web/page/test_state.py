@@ -395,7 +395,7 @@ def test_every_setting_has_an_effect(served, visit):
         assert [" ".join(one.split()[:3]) for one in found["why"]] == [
             "hazard rate 1.8e-05", "median remaining life", "probability of task",
         ]  # fmt: skip
-        assert courier.service.prepared().robot.thresholds.reliability == 0.99
+        assert courier.service.prepared().robot.thresholds.reliability.limit == 0.99
         assert courier.service.prepared().robot.max_gap == 90 * SECOND
         life = found["subjects"][0]["sensor_based"]["remaining_life"]
         assert works(life["survived"]) == pytest.approx(0.9, rel=1e-6)

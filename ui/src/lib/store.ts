@@ -48,10 +48,12 @@ export function sayError(error: unknown): void {
 export interface Preferences {
   unit: RateUnit;
   theme: "auto" | "light" | "dark";
+  /** As whom alarms are acknowledged. */
+  name: string;
 }
 
 function stored(): Preferences {
-  const plain: Preferences = { unit: "1/h", theme: "auto" };
+  const plain: Preferences = { unit: "1/h", theme: "auto", name: "" };
   try {
     return { ...plain, ...(JSON.parse(localStorage.getItem("robophm") ?? "{}") as Partial<Preferences>) };
   } catch {

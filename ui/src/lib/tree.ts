@@ -61,6 +61,11 @@ export function* everyPart(part: Part): Generator<Part> {
   for (const one of part.parts) yield* everyPart(one);
 }
 
+/** Whether no robot has been designed yet: there is no part. Of what cannot be read nothing is known. */
+export function isEmpty(design: DesignState): boolean {
+  return Object.keys(design.document).length > 0 && ![...everyPart(treeOf(design))].some((part) => part.kind === "component");
+}
+
 export function findPart(design: DesignState, path: string): Part | undefined {
   let here: Part | undefined = treeOf(design);
   if (!path) return here;

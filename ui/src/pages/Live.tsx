@@ -1,11 +1,12 @@
 import { type ReactNode, useEffect, useMemo, useRef, useState } from "react";
 import { useHealth } from "../lib/health";
+import { useLimits } from "../lib/alarms";
 import { live, pulse, useLive } from "../lib/live";
 import { useDesign, useShared, useUnit } from "../lib/store";
 import { RATE_UNITS } from "../lib/words";
 import { Check } from "../parts/Field";
 import { ICONS } from "../parts/Icon";
-import { type Curve, Plot } from "../parts/Plot";
+import { type Curve, type Limit, Plot } from "../parts/Plot";
 import { Watching } from "../parts/Watching";
 
 export const page = { name: "Live", icon: ICONS.live, order: 50 };
@@ -62,6 +63,11 @@ export default function Live(): ReactNode {
     return [...found.values()];
   }, [shown, health?.sensors.map((one) => `${one.signal}${one.unit}`).join()]);
 
+  const stated = useLimits();
+  const limit = (series: string[], change: (value: number) => number = (value) => value): Limit[] =>
+    stated.filter((one) => series.includes(one.series)).map((one) => ({ value: change(one.limit), severity: one.severity }));
+  const own = (figure: string): string[] => [`${figure}.sensor_based:${path}`];
+
   useEffect(() => setPath((old) => (old && health && !modules.includes(old) ? "" : old)), [health]);
   if (!design) return null;
   const empty = monitoring === "running" ? "Waiting for the first sample…" : "Nothing yet: start the analysis.";
@@ -97,13 +103,13 @@ export default function Live(): ReactNode {
       </div>
       {leftOut && <p className="small">{leftOut.sentence}.</p>}
       <div className="two">
-        <Plot key={`rate ${seconds}`} title="Hazard rate" curves={rates} xLabel="time of the samples, UTC" yLabel={`λ [${unit}] of operation`} time empty={empty} />
-        <Plot key={`survival ${seconds}`} title={log ? "Probability of having failed since new" : "Reliability"} curves={survival} xLabel="time of the samples, UTC" yLabel={log ? "1 − R(t)" : "R(t), survival since new"} time log={log} empty={empty} />
+        <Plot key={`rate ${seconds}`} title="Hazard rate" limits={limit(own("hazard_rate"), (value) => value * RATE_UNITS[unit].factor)} curves={rates} xLabel="time of the samples, UTC" yLabel={`λ [${unit}] of operation`} time empty={empty} />
+        <Plot key={`survival ${seconds}`} title={log ? "Probability of having failed since new" : "Reliability"} limits={limit(own("reliability"), (value) => (log ? 1 - value : value))} curves={survival} xLabel="time of the samples, UTC" yLabel={log ? "1 − R(t)" : "R(t), survival since new"} time log={log} empty={empty} />
         {chance.some((one) => one.x.length) && (
-          <Plot key={`task ${seconds}`} title="Probability of completing the task" curves={chance} xLabel="time of the samples, UTC" yLabel="PoTC, given that it works now" time />
+          <Plot key={`task ${seconds}`} title="Probability of completing the task" limits={limit(own("completion"))} curves={chance} xLabel="time of the samples, UTC" yLabel="PoTC, given that it works now" time />
         )}
         {groups.map((group) => (
-          <Plot key={`${group.unit} ${seconds}`} title={`Sensors${group.unit ? ` in ${group.unit}` : ""}`} curves={group.curves} gaps={group.gaps} xLabel="time of the samples, UTC" yLabel={group.unit ? `[${group.unit}]` : ""} time empty={empty} />
+          <Plot key={`${group.unit} ${seconds}`} title={`Sensors${group.unit ? ` in ${group.unit}` : ""}`} limits={limit(group.curves.map((one) => one.name))} curves={group.curves} gaps={group.gaps} xLabel="time of the samples, UTC" yLabel={group.unit ? `[${group.unit}]` : ""} time empty={empty} />
         ))}
       </div>
       {!signals.length && design.valid && (

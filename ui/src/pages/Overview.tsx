@@ -1,8 +1,9 @@
 import { type ReactNode, useEffect } from "react";
 import type { Health, Shapes } from "../lib/api";
+import { useLimits } from "../lib/alarms";
 import { horizon, useHealth } from "../lib/health";
 import { useDesign, useShared, useUnit } from "../lib/store";
-import { everyPart, treeOf } from "../lib/tree";
+import { isEmpty } from "../lib/tree";
 import { chanceWords, durationText, marked, momentText, moreText, numberText, oddsText, percentText, rateText, secondsText, type Unknown } from "../lib/words";
 import { Bars } from "../parts/Bars";
 import { Select } from "../parts/Field";
@@ -16,7 +17,7 @@ export const page = { name: "Overview", icon: ICONS.pulse, order: 10 };
 export default function Overview(): ReactNode {
   const design = useDesign();
   const { health, error } = useHealth();
-  const empty = design !== null && ![...everyPart(treeOf(design))].some((part) => part.kind === "component");
+  const empty = design !== null && isEmpty(design);
   useEffect(() => {
     if (empty) location.replace("#/new");
   }, [empty]);
@@ -26,7 +27,13 @@ export default function Overview(): ReactNode {
       <div className="head">
         <h1>{design.name}</h1>
         {health && <State of={health.state} limited={health.limits_set} />}
-        {health && !health.limits_set && <span className="quiet small">no thresholds are set: nothing is called too low</span>}
+        {health && !health.limits_set && <span className="quiet small">no thresholds are set: nothing is called too low (<a href="#/settings">set some</a>)</span>}
+        {health && health.alarms > 0 && (
+          <a href="#/alarms">
+            {health.alarms} {health.alarms === 1 ? "alarm" : "alarms"}
+            {health.unacknowledged > 0 && `, ${health.unacknowledged} not acknowledged`}
+          </a>
+        )}
         <span className="quiet small">{health?.time != null && `up to ${momentText(health.time)}`}</span>
         <span className="grow" />
         <Watching />
@@ -45,12 +52,17 @@ export default function Overview(): ReactNode {
 
 function Figures({ health }: { health: Health }): ReactNode {
   const unit = useUnit();
+  const limits = useLimits();
   const robot = health.subjects[0];
   if (!robot) return null;
   const [nominal, lived] = [robot.nominal, robot.sensor_based];
   const tone = health.state === "idle" ? "" : health.state;
   const life = lived.remaining_life;
   const left = robot.unknown;
+  const limit = (figure: string, text: (value: number) => string): [string, string][] =>
+    limits
+      .filter((one) => one.series === `${figure}.sensor_based:`)
+      .map((one) => [one.severity === "error" ? "limit" : "warning", `at ${figure === "hazard_rate" ? "most" : "least"} ${text(one.limit)}`]);
   return (
     <>
       {health.sentence && (
@@ -74,20 +86,24 @@ function Figures({ health }: { health: Health }): ReactNode {
         <Figure tone={tone} name="Reliability R(t)" value={marked(left, "reliability", percentText(lived.reliability, lived.unreliability, nominal.unreliability))} rows={[
           ["nominal", marked(left, "reliability", percentText(nominal.reliability, nominal.unreliability, lived.unreliability))],
           ["failed since new", lived.unreliability === 0 ? "no exposure yet" : oddsText(lived.unreliability) || percentText(lived.unreliability, lived.reliability)],
+          ...limit("reliability", percentText),
         ]} />
         <Figure tone={tone} name="Hazard rate λ now" value={marked(left, "hazard_rate", rateText(lived.hazard_rate, unit))} rows={[
           ["nominal", marked(left, "hazard_rate", rateText(nominal.hazard_rate, unit))],
           ["", "per hour of operation, given that it works"],
+          ...limit("hazard_rate", (value) => rateText(value, unit)),
         ]} />
         <Figure tone={tone} name="Remaining life, median" value={life ? marked(left, "ahead", durationText(life.median)) : "…"} rows={[
           ["nominal", nominal.remaining_life ? marked(left, "ahead", durationText(nominal.remaining_life.median)) : "…"],
           ["90 % between", life ? marked(left, "ahead", `${durationText(life.early)} and ${durationText(life.late)}`) : "…"],
           ...(health.survival != null ? [[`with ${percentText(health.survival)}`, life ? marked(left, "ahead", durationText(life.survived)) : "…"] as [string, string]] : []),
+          ...limit("remaining_life", durationText),
         ]} />
         {health.task && (
           <Figure tone={tone} name={`Task of ${numberText(health.task.distance)} m in ${durationText(health.task.duration)}, completed`} value={marked(left, "ahead", percentText(lived.completion, lived.completion_failure, nominal.completion_failure))} rows={[
             ["nominal", chanceWords({ probability: nominal.completion ?? null, failure: nominal.completion_failure ?? null }, left)],
             [left?.ahead === "at most" ? "fails at least" : "fails", oddsText(lived.completion_failure) || "–"],
+            ...limit("completion", percentText),
           ]} />
         )}
       </div>

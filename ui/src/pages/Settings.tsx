@@ -15,6 +15,9 @@ const THRESHOLDS: [string, string, string][] = [
   ["survival", "State also the time until survival falls to", "e.g. 0.9"],
 ];
 
+/** A limit alone, or the limit among what an alarm on it waits for. */
+const limitOf = (stated: unknown): unknown => (isValues(stated) ? stated.limit : stated);
+
 export default function Settings(): ReactNode {
   const shown = useShared(preferences);
   const design = useDesign();
@@ -42,9 +45,10 @@ export default function Settings(): ReactNode {
                 key={key}
                 label={name}
                 hint={hint}
-                value={String(thresholds[key] ?? "")}
+                value={String(limitOf(thresholds[key]) ?? "")}
                 set={(value) => {
-                  const operations = change(root, ["thresholds", key], value === "" ? "" : ["hazard_rate", "remaining_life"].includes(key) ? value : number(value));
+                  const place = isValues(thresholds[key]) ? ["thresholds", key, "limit"] : ["thresholds", key];
+                  const operations = change(root, place, value === "" ? "" : ["hazard_rate", "remaining_life"].includes(key) ? value : number(value));
                   if (operations.length) void edit(operations, name);
                 }}
               />

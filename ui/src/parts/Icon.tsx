@@ -12,6 +12,7 @@ export const ICONS = {
   report: "M6 3h9l4 4v14H6zM15 3v4h4M9 12h7M9 16h7",
   add: "M4 8h9v9H4zM8 17v3M8 8V5M18 3v8M14 7h8",
   settings: "M4 7h9M17 7h3M4 17h3M11 17h9M13 5v4M7 15v4",
+  bell: "M6 17V11a6 6 0 0 1 12 0v6l2 2H4zM10 21h4",
   search: "M11 11m-6 0a6 6 0 1 0 12 0a6 6 0 1 0-12 0M16 16l5 5",
   pause: "M8 5v14M16 5v14",
   ok: "M4 13l5 5L20 6",

@@ -27,8 +27,23 @@ export interface PlotProps {
   height?: number;
   /** Spans of x in which a sensor was silent. */
   gaps?: [number, number][];
+  /** Places on x where something happened; a dashed line each. */
+  marks?: number[];
+  /** The place on x that is looked at; a solid line. */
+  at?: number | null;
+  /** A span of x was dragged across: whoever listens draws what is in it. */
+  zoomTo?: (from: number, to: number) => void;
+  /** A place on x was clicked. */
+  pick?: (x: number) => void;
+  /** Limits of what is drawn: a line each, where it is in sight; said in words wherever it is. */
+  limits?: Limit[];
   empty?: string;
   children?: ReactNode;
+}
+
+export interface Limit {
+  value: number;
+  severity: "error" | "warn";
 }
 
 const DASH = [6, 4];
@@ -47,12 +62,19 @@ function joined(curves: Curve[], log: boolean): AlignedData {
   return uPlot.join(curves.map((one) => [one.x, sound(one.y)] as AlignedData));
 }
 
-export function Plot({ title, curves, xLabel, yLabel, time, log = false, height = 230, gaps, empty, children }: PlotProps): ReactNode {
+export function Plot({ title, curves, xLabel, yLabel, time, log = false, height = 230, gaps, limits, marks, at, zoomTo, pick, empty, children }: PlotProps): ReactNode {
   const box = useRef<HTMLDivElement>(null);
   const under = useRef<HTMLSpanElement>(null);
   const plot = useRef<uPlot | null>(null);
   const shaded = useRef(gaps);
   shaded.current = gaps;
+  const marked = useRef({ marks, at });
+  marked.current = { marks, at };
+  const told = useRef({ zoomTo, pick });
+  told.current = { zoomTo, pick };
+  const dragged = useRef(false);
+  const lines = useRef(limits);
+  lines.current = limits;
   const { theme } = useShared(preferences);
   const [zoomed, setZoomed] = useState(false);
   const held = useRef(false);
@@ -91,10 +113,26 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
           })),
         ],
         hooks: {
-          drawClear: [(u) => shade(u, shaded.current ?? [])],
+          ready: [
+            (u) => {
+              u.over.addEventListener("mousedown", () => (dragged.current = true));
+              u.over.addEventListener("click", () => {
+                const x = u.posToVal(u.cursor.left ?? -1, "x");
+                if (u.select.width < 2 && Number.isFinite(x)) told.current.pick?.(x);
+              });
+            },
+          ],
+          drawClear: [(u) => shade(u, shaded.current ?? []), (u) => mark(u, marked.current.marks ?? [], marked.current.at)],
+            draw: [(u) => rule(u, lines.current ?? [])],
           setCursor: [(u) => void (under.current && (under.current.textContent = underCursor(u, time)))],
           setSelect: [
-            () => {
+            (u) => {
+              if (told.current.zoomTo) {
+                if (dragged.current && u.select.width > 0) told.current.zoomTo(u.posToVal(u.select.left, "x"), u.posToVal(u.select.left + u.select.width, "x"));
+                dragged.current = false; // a plot beside it that follows the cursor has the same selection
+                u.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
+                return;
+              }
               held.current = true;
               setZoomed(true);
             },
@@ -130,6 +168,10 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
     });
   }, [curves, log, seen]);
 
+  useEffect(() => plot.current?.redraw(false), [marks, at]);
+  const bounds = limits?.map((one) => `${one.severity} ${one.value}`).join();
+  useEffect(() => plot.current?.redraw(false), [bounds, shape, some]);
+
   const reset = (): void => {
     held.current = false;
     setZoomed(false);
@@ -164,6 +206,11 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
         {title} <span className="quiet small">{yLabel}</span>
       </h3>
       {legend}
+      {!!limits?.length && (
+        <p className="small quiet limits">
+          {limits.map((one) => `${one.severity === "error" ? "limit" : "warning"} ${numberText(one.value, 5)}`).join(", ")}
+        </p>
+      )}
       {some ? <div ref={box} role="img" aria-label={words.current.text} /> : <p className="quiet">{empty ?? "No data yet."}</p>}
       {children}
       <div className="tools">
@@ -258,6 +305,23 @@ function spread(low: number, high: number): [number, number] {
   return [low >= 0 && low < 0.25 * high ? 0 : low - pad, high + pad];
 }
 
+/** A line across at each limit that is in sight. */
+function rule(u: uPlot, limits: Limit[]): void {
+  u.ctx.save();
+  u.ctx.lineWidth = 1.5 * devicePixelRatio;
+  u.ctx.setLineDash([4 * devicePixelRatio, 2 * devicePixelRatio]);
+  for (const { value, severity } of limits) {
+    const y = u.valToPos(value, "y", true);
+    if (!(y >= u.bbox.top && y <= u.bbox.top + u.bbox.height)) continue;
+    u.ctx.strokeStyle = css(`--${severity}`);
+    u.ctx.beginPath();
+    u.ctx.moveTo(u.bbox.left, y);
+    u.ctx.lineTo(u.bbox.left + u.bbox.width, y);
+    u.ctx.stroke();
+  }
+  u.ctx.restore();
+}
+
 function shade(u: uPlot, gaps: [number, number][]): void {
   if (!gaps.length) return;
   u.ctx.save();
@@ -267,5 +331,24 @@ function shade(u: uPlot, gaps: [number, number][]): void {
     const right = Math.min(u.valToPos(to, "x", true), u.bbox.left + u.bbox.width);
     if (right > left) u.ctx.fillRect(left, u.bbox.top, right - left, u.bbox.height);
   }
+  u.ctx.restore();
+}
+
+/** Lines upright where something happened, and where it is looked. */
+function mark(u: uPlot, marks: number[], at: number | null | undefined): void {
+  const line = (x: number, color: string, dash: number[]): void => {
+    const left = u.valToPos(x, "x", true);
+    if (!(left >= u.bbox.left && left <= u.bbox.left + u.bbox.width)) return;
+    u.ctx.strokeStyle = css(color);
+    u.ctx.setLineDash(dash);
+    u.ctx.beginPath();
+    u.ctx.moveTo(left, u.bbox.top);
+    u.ctx.lineTo(left, u.bbox.top + u.bbox.height);
+    u.ctx.stroke();
+  };
+  u.ctx.save();
+  u.ctx.lineWidth = devicePixelRatio;
+  for (const one of marks) line(one, "--warn", DASH);
+  if (at != null) line(at, "--ink", []);
   u.ctx.restore();
 }

@@ -1,7 +1,7 @@
 import { type ReactNode, useState } from "react";
 import type { Problem } from "../lib/api";
 import { go, useDesign } from "../lib/store";
-import { partOfPlace } from "../lib/tree";
+import { isEmpty, partOfPlace } from "../lib/tree";
 import { Dialog } from "./Dialog";
 import { Icon } from "./Icon";
 
@@ -11,6 +11,7 @@ export function ProblemsButton(): ReactNode {
   const errors = design?.problems.filter((one) => one.level === "error").length ?? 0;
   const warnings = (design?.problems.length ?? 0) - errors;
   if (!design) return null;
+  if (isEmpty(design)) return <button onClick={() => go("new")}>No robot yet: begin here</button>;
   const words = errors ? `${errors} to mend` : warnings ? `${warnings} odd` : "No problems";
   return (
     <>

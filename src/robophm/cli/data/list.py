@@ -14,7 +14,7 @@ from robophm.cli.shared.output import console, print_json, print_table, progress
 from robophm.cli.shared.progress import counted
 from robophm.core.counted_notes import said
 from robophm.core.signal import HOUR
-from robophm.measured.overview import Overview, Topic, overview, per_second
+from robophm.measured.overview import LOOKED_INTO, Overview, Topic, overview, per_second
 from robophm.measured.recordings import recordings
 from robophm.report.words import duration_text, moment_text, number_text
 
@@ -67,7 +67,8 @@ def _print_overview(out: Console, one: Overview) -> None:
     fields = []
     for topic in one.topics:
         names = [f"{name} [{unit}]" if unit else name for name, unit in topic.fields.items() if "header." not in name]
-        names += [f"{field} of {', '.join(of)}" for field, of in topic.names.items()]
+        some = " (and maybe others: some messages were looked into)" if topic.messages > LOOKED_INTO else ""
+        names += [f"{field} of {', '.join(of)}{some}" for field, of in topic.names.items()]
         fields.append((topic.name, topic.type.replace("/msg/", "/") or "?", ", ".join(names) or _no_numbers(topic)))
     print_table(out, table("", ("topic", "type", "fields [unit]"), fields))
     out.print()

@@ -26,6 +26,8 @@ class CommandGroup(TyperGroup):
     """Commands by what they are for, as the help lists them; none: one list, in the order of ``lines``."""
     former: ClassVar[Mapping[tuple[str, str], str]] = {}
     """Options by command and the name that they had: still taken, with a note on stderr."""
+    sought: ClassVar[Mapping[str, str]] = {}
+    """Commands by what people call them who have not read the help: taken, with a note on stderr."""
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings)
@@ -42,7 +44,10 @@ class CommandGroup(TyperGroup):
         return typer.main.get_command(command)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return the command and its arguments, options of a former name under that of now."""
+        """Return the command and its arguments, commands and options of another name under that of now."""
+        if args and (meant := self.sought.get(args[0])):
+            print(f"note: {args[0]} is called {meant}", file=sys.stderr)
+            args = [meant, *args[1:]]
         name, command, rest = super().resolve_command(ctx, args)
         ends = rest.index("--") if "--" in rest else len(rest)
         for i, word in enumerate(rest[:ends]):

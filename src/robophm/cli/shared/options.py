@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -10,6 +11,7 @@ import typer
 
 from robophm.core.argument_checks import number
 from robophm.core.errors import RobophmError, StoreError, UnitError
+from robophm.core.signal import SECOND
 from robophm.core.units import quantity
 from robophm.health.failures_to_come import LONGEST
 from robophm.report.words import rate_text
@@ -58,12 +60,23 @@ def stated_store(address: str | None) -> str | None:
 Store = Annotated[
     str | None, typer.Option("--store", help="the robot's past, as kept by replay", callback=stated_store)
 ]
+Notify = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="tell of alarms: http://host/path (a webhook, as Alertmanager's), or "
+        "smtp://user@host/?from=robot@example.org&to=team@example.org; several",
+        metavar="ADDRESS",
+    ),
+]
 GrowingStore = Annotated[
     str | None,
     typer.Option(
         help="keep the robot's past in this SQLite file, or as KIND:WHERE says, and go on from it",
         callback=stated_store,
     ),
+]
+StoreOfRobot = Annotated[
+    str, typer.Option("--store", help="the robot's past, as kept by replay or watch", callback=stated_store)
 ]
 SkipMissing = Annotated[bool, typer.Option("--skip-missing", help="bound topics that are not recorded stay silent")]
 
@@ -104,3 +117,18 @@ def horizon_of(text: str | None) -> float | None:
     if text is None:
         return None
     return number(quantity(text, "h"), "--horizon [h]", above=True, high=LONGEST)
+
+
+def moment_of(option: str, text: str) -> int:
+    """Return the time [ns since the epoch] that an option states as a date, or with a time; UTC unless it has a zone.
+
+    Raises RobophmError where it is none.
+    """
+    try:
+        moment = datetime.fromisoformat(text)
+    except ValueError:
+        raise RobophmError(
+            f"{option} {text!r:.80}: expected a date and time, such as 2026-03-04 or 2026-03-04T12:00"
+        ) from None
+    since = (moment if moment.tzinfo else moment.replace(tzinfo=UTC)) - datetime(1970, 1, 1, tzinfo=UTC)
+    return (since.days * 86_400 + since.seconds) * SECOND + since.microseconds * 1000

@@ -39,6 +39,9 @@ BEFOREHAND = {"its own past": 0.4, "others' lives": 0.05, "from": 0.55}
 LIFE_SCATTER = 0.3
 """Deviation of ln(life) that is expected of a kind: as of Weibull lives of shape 3 to 4, which parts that wear have."""
 
+STEPS = 200
+"""Steps of the EM algorithm, after which weights stay."""
+
 WORST = -20.0
 """Log density below which it does not matter how wrong a way of foretelling was."""
 
@@ -94,10 +97,23 @@ def forecast_among(
     ``weights`` of what is returned has "others' lives" and "others from here" beside the unit's own models. Raises
     DataError as ``forecast`` does, and for others without two readings.
     """
-    alone = forecast(times, values, threshold, falls=falls, deviation=deviation, seed=seed, draws=draws)
-    by_itself = stated.given(alone, float(np.asarray(times, dtype=float)[-1])) if stated else alone
-    if alone.worn_out or not others:
-        return by_itself
+
+    def alone_if(law_ends: bool) -> Forecast:
+        return forecast(
+            times, values, threshold, falls=falls, deviation=deviation, seed=seed, draws=draws, law_ends=law_ends
+        )
+
+    def by_stated_life() -> Forecast:
+        if not (stated and stated.ages):
+            return alone_if(True)
+        # What takes the draws' prior off knows that of laws that go on; when life ends is said here, and not unknown.
+        return stated.given(alone_if(False), float(np.asarray(times, dtype=float)[-1]))
+
+    if not others:
+        return by_stated_life()
+    alone = alone_if(True)
+    if alone.worn_out:
+        return alone
     t, y, goal = checked(times, values, threshold, deviation, falls=falls)
     if alone.renewed is not None:
         t, y = t[t >= alone.renewed], y[t >= alone.renewed]
@@ -111,7 +127,7 @@ def forecast_among(
     now = _Trajectory(t, mine, _level(mine, width), float(t[-1] - t[0]), False)
     ways = _ways(now, courses, _Own(alone.passage))
     if "others' lives" not in ways:
-        return by_itself
+        return by_stated_life()
     if not alone.shows:  # before damage shows its level tells nothing
         ways = {"others' lives": ways["others' lives"]}
     weights = _weights(now, courses, ways)
@@ -287,7 +303,7 @@ def _took(one: _Trajectory, came: float, starts: Sequence[float]) -> Array:
 
 
 def _weights(now: _Trajectory, others: Sequence[_Trajectory], ways: dict[str, _Way]) -> dict[str, float]:
-    """How well each way foretells the others that ended, from where they were as the unit is; they sum to 1."""
+    """By how well each way foretells the others that ended, from where they were as the unit is; they sum to 1."""
     if len(ways) == 1:
         return dict.fromkeys(ways, 1.0)
     prior = _beforehand(ways)
@@ -306,13 +322,29 @@ def _weights(now: _Trajectory, others: Sequence[_Trajectory], ways: dict[str, _W
         for name, way in _ways(then, [other for other in others if other is not one], own).items():
             if name in scores:
                 scores[name].append(max(float(way.log_density(rest)), WORST))
+    return stacked(prior, scores)
+
+
+def stacked(prior: Mapping[str, float], scores: Mapping[str, Sequence[float]]) -> dict[str, float]:
+    """Return weights of ways by the logarithmic scores of how each foretold units; ``prior`` counts as one unit more.
+
+    Each unit may be of the kind that another way foretells: weights are the shares of kinds, by the EM algorithm of a
+    mixture (Dempster, Laird and Rubin, J. R. Stat. Soc. B 39, 1977), and no way is left out because most units go
+    otherwise. A unit that a way was not asked about counts with the mean of those that it was, or that others were.
+    """
+    units = max(map(len, scores.values()), default=0)
+    names, weights = list(prior), np.array(list(prior.values()))
+    start = weights = weights / weights.sum()
+    if not units:
+        return dict(zip(names, weights.tolist(), strict=True))
     means = {name: float(np.mean(found)) for name, found in scores.items() if found}
-    count = max((len(found) for found in scores.values()), default=0)
-    usual = float(np.mean(list(means.values()))) if means else 0.0
-    logs = {name: np.log(prior[name]) + count * means.get(name, usual) for name in ways}
-    top = max(logs.values())
-    shares = {name: float(np.exp(one - top)) for name, one in logs.items()}
-    return {name: share / sum(shares.values()) for name, share in shares.items()}
+    usual = float(np.mean(list(means.values())))
+    logs = np.array([[*scores[name], *[means.get(name, usual)] * (units - len(scores[name]))] for name in names]).T
+    likely = np.exp(logs - logs.max(axis=1, keepdims=True))
+    for _ in range(STEPS):
+        shares = likely * weights
+        weights = (start + (shares / shares.sum(axis=1, keepdims=True)).sum(axis=0)) / (1 + units)
+    return dict(zip(names, weights.tolist(), strict=True))
 
 
 def _own_of(then: _Trajectory) -> _Own | None:

@@ -2,7 +2,7 @@
 
 No model is picked by its fit: each foretells, from each stretch of the unit's past, the next, and the logarithmic
 scores of that weigh them (Dawid, J. R. Stat. Soc. A 147, 1984). That wear goes on by the law that it had is known from
-nothing; so the rest of life is off by a factor besides, whose deviation is ``LAW``.
+nothing; so it may change (``law_to_come.py``).
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy.typing as npt
 from scipy.special import ndtr, ndtri
 
 from robophm.core.errors import DataError
+from robophm.learning.wear.law_to_come import given_slowing_ends, off_by_a_factor
 from robophm.learning.wear.models import candidates_of, degradation_models
 from robophm.learning.wear.models.candidates import (
     MOMENTS,
@@ -32,17 +33,6 @@ from robophm.learning.wear.trend_bend import Bend, bend_of_wiener
 DRAWS = 4000
 FEWEST = 4
 """Readings from which models are told apart at all."""
-
-LAW = {0: 0.15, 1: 0.25, -1: 0.25}
-"""Deviation of ln(rest of life) for the law that may change: of wear that is straight so far, that goes ever faster or
-slower, for each doubling of wear that is still to come, of which there is at least one: a law is known as far as it was
-seen, and wanders beyond. Of real wear it is some 0.1 to 0.6 for each unit; docs/theory/wear.md has where it is from."""
-
-LEAST = 0.01
-"""Wear, as a share of the way to the threshold, below which it is no further from there than six doublings and more."""
-
-STEEPER = -0.2
-"""Mean of the same where wear goes ever faster: near its end it mostly goes faster still than its law so far says."""
 
 UNFOLLOWED = 0.01
 """Probability of the last reading as foretold, below which no model is said to follow the wear. Of simulated wear that
@@ -168,11 +158,12 @@ class Forecast:
 
 def forecast(
     times: npt.ArrayLike, values: npt.ArrayLike, threshold: float, *, falls: bool = False, deviation: float = 0.0,
-    seed: int = 0, draws: int = DRAWS, judged: bool = True,
+    seed: int = 0, draws: int = DRAWS, judged: bool = True, law_ends: bool = True,
 ) -> Forecast:  # fmt: skip
     """Forecast when readings reach a threshold, known to a ``deviation``; ``falls``: the signal falls as wear grows.
 
-    Not ``judged``, which takes a third of the time: whether it bends and is followed is not asked.
+    Not ``judged``, which takes a third of the time: whether it bends and is followed is not asked. Not ``law_ends``:
+    wear that slows does so to the threshold, where how long such parts live is told from elsewhere.
 
     Raises DataError where there are too few readings, or they cannot be wear towards that threshold.
     """
@@ -185,7 +176,9 @@ def forecast(
     if first_passage(t, y, threshold) is not None:
         found = _ended(t, y, threshold, draws)
     else:
-        found = _to_come(t, y, threshold, deviation, np.random.default_rng(seed), draws, judged=judged)
+        found = _to_come(
+            t, y, threshold, deviation, np.random.default_rng(seed), draws, judged=judged, law_ends=law_ends
+        )
         if y[-1] >= threshold and _is_there(t, y, threshold, deviation, draws):
             found, reached = _ended(t, y, threshold, draws), reached or _crossing(t, y, threshold, len(y) - 1)
     return replace(
@@ -198,13 +191,16 @@ def _is_there(t: Array, y: Array, threshold: float, deviation: float, draws: int
     """Whether one last reading beyond the threshold stands above its noise: by its last readings, each by itself, the
     wear is there sooner than the next reading could tell."""
     late = slice(-STRETCHES, None) if y[-STRETCHES:][0] < threshold else slice(None)
-    found = _to_come(t[late], y[late], threshold, deviation, np.random.default_rng(0), draws, judged=False)
+    found = _to_come(
+        t[late], y[late], threshold, deviation, np.random.default_rng(0), draws, judged=False, law_ends=False
+    )
     return found.remaining.median <= float(t[-1] - t[-2]) / 2
 
 
 def _to_come(
-    t: Array, y: Array, threshold: float, deviation: float, rng: np.random.Generator, draws: int, *, judged: bool
-) -> Forecast:
+    t: Array, y: Array, threshold: float, deviation: float, rng: np.random.Generator, draws: int, *, judged: bool,
+    law_ends: bool,
+) -> Forecast:  # fmt: skip
     """Of wear that has yet to reach its threshold."""
     course = course_of(t, y, threshold, float(t[-1]))
     found = _candidates(course)
@@ -212,7 +208,8 @@ def _to_come(
     shares = np.array([one.sum() for one in weights])
     chosen = rng.multinomial(draws, shares / shares.sum())  # rounded, a share could be above 1
     goals = _goals(deviation / abs(threshold - float(y[0])), float(course.smooth[-1]), rng, draws)
-    passage, drift, accelerates, noise = (np.empty(draws) for _ in range(4))
+    passage, drift, noise = (np.empty(draws) for _ in range(3))
+    accelerates = np.zeros(draws, dtype=np.int64)
     start = 0
     for one, share, count in zip(found.values(), weights, chosen.tolist(), strict=True):
         here = slice(start, start := start + count)
@@ -222,12 +219,12 @@ def _to_come(
         passage[here] = one.passages(which, goals[here], rng)
         drift[here], noise[here] = one.speed(which, rng), one.noise()[which]
         accelerates[here] = one.accelerates[which]
-    law = np.select([accelerates == 0, accelerates > 0], [LAW[0], LAW[1]], LAW[-1]) * rng.standard_normal(draws)
-    law *= math.sqrt(max(1.0, -math.log2(max(float(course.smooth[-1]), LEAST))))
-    passage = passage * np.exp(law + STEEPER * (accelerates > 0))
+    passage = off_by_a_factor(passage, accelerates, course, rng)
     span = abs(threshold - float(y[0]))
     since = float(t[-1]) - float(course.times[-1]) * course.reference  # of many readings the last is a mean's
     shows = bool(np.mean(np.isinf(passage)) <= AWAY)
+    if shows and law_ends:
+        passage = given_slowing_ends(passage, accelerates, course, rng)
     passage = np.maximum(passage * course.reference - since, 0.0) if shows else of_age(float(t[-1]), draws)
     return Forecast(
         threshold, passage, drift * span / course.reference,

@@ -39,12 +39,17 @@ class StatedLife:
     pace: float = 1.0
     """Age that a unit of that clock adds."""
 
+    @property
+    def ages(self) -> bool:
+        """Whether its hazard depends on age: a constant one says nothing of when wear ends."""
+        return self.life.degree != 1.0
+
     def says(self, now: float, median: float) -> bool:
         """Whether it says anything of wear whose median remaining time is foretold: its hazard depends on age, and what
         is foretold does not contradict it altogether, from a few readings on."""
         low, high = self.life.quantile(0.01), self.life.quantile(0.99)
         age = self.new_age + self.pace * (now + median)
-        return self.life.degree != 1.0 and float(low) / BEYOND <= age <= float(high) * BEYOND
+        return self.ages and float(low) / BEYOND <= age <= float(high) * BEYOND
 
     def weights(self, now: float, remaining: Array) -> Array:
         """Return weights of remaining times from ``now`` on; shape of ``remaining``.

@@ -9,6 +9,7 @@ from typing import Any
 from robophm.core.counted_notes import ordinary, said
 from robophm.core.signal import SECOND
 from robophm.design.robot import UNKNOWN
+from robophm.health.alarms import Alarm
 from robophm.health.outlooks import View
 from robophm.health.prognosis import RemainingLife
 from robophm.health.report import VIEWS, ComponentHealth, HealthReport
@@ -195,6 +196,23 @@ def listening(notes: Mapping[str, int], robot: str, node: str, *, fresh: bool) -
         "message": "; ".join(told[:MOST_TOLD]) if told else "nothing was lost",
         "hardware_id": robot,
         "values": [{"key": f"note {k}", "value": line} for k, line in enumerate(told[:MOST_STATUSES], 1)],
+    }
+
+
+def alarm(one: Alarm, robot: str, node: str) -> Fields:
+    """Return the fields of the status of an alarm: its severity while it goes on, OK once it has ended."""
+    values: dict[str, float | int | str] = {"since": moment(one.begin)}
+    if one.end is not None:
+        values["until"] = moment(one.end)
+    if one.acknowledged_by:
+        values["acknowledged by"] = one.acknowledged_by
+    doubt = f"; whether it goes on is not known, it {one.doubt}" if one.doubt else ""
+    return {
+        "level": LEVELS[one.severity if one.end is None else "ok"],
+        "name": f"{node}: alarm: {one.what}",
+        "message": f"{one.cause}{doubt}" if one.end is None else one.ended_by,
+        "hardware_id": robot,
+        "values": [{"key": key, "value": str(value)} for key, value in values.items()],
     }
 
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from typing import Any
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
+from robophm.health.alarms import Alarm
 from robophm.health.report import HealthReport
 from robophm.transports.health_topics import report_fields
 from robophm.transports.health_topics.definitions import PACKAGE, typestore
@@ -59,6 +60,7 @@ class HealthTopics(ReportSink):
         self._latest: dict[bool, JudgedTask] = {}
         self._diagnosed = 0
         self._heard_of: Mapping[str, int] = {}
+        self._alarms: Sequence[Alarm] = ()
         self._noted = -math.inf
         """The time when a note came last [s], by a clock that nobody sets."""
         paths = [robot.name, *(f"{robot.name}/{module.path}" for module in robot.all_modules())]
@@ -102,7 +104,8 @@ class HealthTopics(ReportSink):
         if not 0 <= now - self._diagnosed < DIAGNOSTICS_EVERY:
             self._diagnosed = now
             fields = report_fields.diagnostics(report, self._diagnosing)
-            self._send("/diagnostics", {**fields, "status": [*fields["status"], self._listening()]})
+            status = [*fields["status"], *self._statuses(self._alarms), self._listening()]
+            self._send("/diagnostics", {**fields, "status": status})
         self._send_completions(now)
 
     def judged(self, task: JudgedTask) -> None:
@@ -123,6 +126,16 @@ class HealthTopics(ReportSink):
         self._send(
             "/diagnostics", {"header": {"stamp": report_fields.stamp(time.time_ns())}, "status": [self._listening()]}
         )
+
+    def alarmed(self, changed: Sequence[Alarm], going_on: Sequence[Alarm]) -> None:
+        """Publish at once on /diagnostics the alarms that have begun, ended or changed; those that go on, later too."""
+        self._alarms = going_on
+        stamp = {"stamp": report_fields.stamp(time.time_ns())}
+        self._send("/diagnostics", {"header": stamp, "status": self._statuses(changed)})
+
+    def _statuses(self, alarms: Sequence[Alarm]) -> list[report_fields.Fields]:
+        some = alarms[: report_fields.MOST_STATUSES]
+        return [report_fields.alarm(one, self._robot, self._diagnosing) for one in some]
 
     def _listening(self) -> report_fields.Fields:
         fresh = time.monotonic() - self._noted < WARNED_SECONDS

@@ -25,6 +25,7 @@ from robophm.transports.mqtt.connection import Connection
 from robophm.transports.mqtt.json_message import JsonDecoder, broken_state, kind_of, numeric_fields, parsed, stamp_of
 from robophm.transports.signals.incidents import Incidents
 from robophm.transports.signals.source import STAMP_LIMIT, LiveItem, TopicInfo
+from robophm.transports.tasks.orders import ORDER_TOPICS
 
 DISCOVERY_SECONDS = 2.0
 """Seconds from the first connection until what the broker keeps and what is often said is taken to be known."""
@@ -50,6 +51,7 @@ class Mqtt(ListeningSource):
     """
 
     announced = False
+    task_topics = ORDER_TOPICS
 
     def __init__(self, address: str | Address, *, queue: int = QUEUE, period: float = TICK) -> None:
         self.address = address if isinstance(address, Address) else address_of(address)

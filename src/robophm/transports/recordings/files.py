@@ -11,6 +11,7 @@ from pathlib import Path
 from robophm.core.errors import SourceError, nearest
 from robophm.transports.recordings.format import MessageFormat, RecordingFormat, SampleFormat
 from robophm.transports.recordings.recognising import Look, formats, look_at, suffixes
+from robophm.transports.recordings.remote import here
 
 PACKED = ".zstd"
 """Suffix of a file in a rosbag2 folder that is compressed as a whole."""
@@ -28,6 +29,7 @@ class EmptyError(SourceError):
 
 def recognised(path: Path) -> Look:
     """Look at a file of a format that is known. Raises SourceError, with what can be read, where nobody knows it."""
+    path = here(path)
     with reading(path):
         look = look_at(path)
         if not look:
@@ -45,6 +47,7 @@ def holds_messages(path: Path) -> bool:
 
 def parts_of(path: Path) -> list[Path]:
     """The files to open: a rosbag2 folder is opened as one, a folder without its metadata file by file."""
+    path = here(path)
     if not path.is_dir():
         recognised(path)
         return [path]
@@ -72,7 +75,7 @@ def recordings_in(paths: Iterable[Path]) -> tuple[Path, ...]:
 
     Raises SourceError where there is no such file, or none in a folder.
     """
-    return tuple(one for path in paths for one in (parts_of(path) if existing(path).is_dir() else [path]))
+    return tuple(one for path in map(existing, paths) for one in (parts_of(path) if path.is_dir() else [path]))
 
 
 def check_whole(path: Path) -> None:
@@ -149,10 +152,12 @@ def reading(path: Path) -> Iterator[None]:
 
 
 def existing(path: Path) -> Path:
-    """Return the path itself. Raises SourceError, with the nearest name beside it, where there is nothing.
+    """Return the path itself, or of a copy of what lies elsewhere.
 
-    That is a recording, a folder with some, or a file of the same suffix.
+    Raises SourceError where there is nothing, with the nearest name beside it: that of a recording, of a folder with
+    some, or of a file of the same suffix.
     """
+    path = here(path)
     if path.exists():
         return path
     meant = suffixes() | {path.suffix.lower() or ".bag"}

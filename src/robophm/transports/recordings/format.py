@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,8 @@ class RecordingFormat:
     """Usual suffixes of its files, in small letters; they decide only where the content of a file does not."""
     recognises: Callable[[bytes], bool]
     """Whether a file is of this format, by its first 64 KiB or as many bytes as it has."""
+    ambiguous_suffixes: tuple[str, ...] = field(default=(), kw_only=True)
+    """Usual suffixes that files of any other kind have too, so that they decide nothing."""
 
 
 @dataclass(frozen=True)
@@ -37,3 +39,5 @@ class MessageFormat(RecordingFormat):
 
     open: Callable[[Path, Counter[str]], Any]
     """The file, a ``PiecedFile``, and what is lost of it in the notes. Raises SourceError where it cannot be read."""
+    in_parts: bool = False
+    """Whether of a large file that lies elsewhere no more is asked for than is read, as it says before."""

@@ -60,11 +60,12 @@ class LoggedRecording(SignalSource):
         self._infos = [
             TopicInfo(
                 topic,
-                "",
+                self.type_of(topic),
                 len(times),
                 int(times.min()),
                 int(times.max()),
                 tuple(dict.fromkeys(map(any_element, fields))),
+                elements=tuple(field for field in fields if "]." in field),
             )
             for topic, (times, fields) in sorted(read.items())
             if len(times)
@@ -72,6 +73,10 @@ class LoggedRecording(SignalSource):
         self.notes.clear()
         if not self._infos:
             raise EmptyError(f"{path}: holds no messages")
+
+    def type_of(self, topic: str) -> str:
+        """The type of a topic's messages as ROS would name it; "" where nothing is known of it."""
+        return ""
 
     @abstractmethod
     def _read(self, topics: Collection[str] | None) -> Mapping[str, LoggedTopic]:

@@ -41,6 +41,18 @@ def topics_of(path: Path) -> Topics:
         }
 
 
+def elements_of(paths: Sequence[Path]) -> dict[str, tuple[str, ...]]:
+    """Return the numbers of messages in arrays, ``esc[0].esc_temperature``, by topic, of logs that tell how many.
+
+    Raises SourceError where a file is missing or no recording.
+    """
+    found: dict[str, tuple[str, ...]] = {}
+    for path in filter(_holds_samples, paths):
+        with open_source(path) as source:
+            found |= {info.topic: info.elements for info in source.topics() if info.elements}
+    return found
+
+
 def spans_of(paths: Sequence[Path]) -> list[tuple[int, int]]:
     """Return when each recording began and ended [ns], by its messages on all topics.
 

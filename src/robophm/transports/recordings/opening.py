@@ -9,6 +9,7 @@ from robophm.core.errors import SourceError
 from robophm.transports.recordings.files import recognised
 from robophm.transports.recordings.format import SampleFormat
 from robophm.transports.recordings.packed_samples import PackedSamples
+from robophm.transports.recordings.remote import here
 from robophm.transports.signals.source import SignalSource
 
 
@@ -21,7 +22,7 @@ def open_source(*paths: str | Path) -> SignalSource:
     """
     if not paths:
         raise SourceError("no recordings; expected at least one")
-    given = [given_path(path, "recording", SourceError) for path in paths]
+    given = [here(given_path(path, "recording", SourceError)) for path in paths]
     for path in given:
         if path.is_dir():
             continue

@@ -36,8 +36,13 @@ def formats() -> dict[str, RecordingFormat]:
 
 
 def suffixes() -> frozenset[str]:
-    """The usual suffixes of recordings of all formats."""
+    """The suffixes by which recordings are told where their content does not tell."""
     return frozenset(suffix for one in formats().values() for suffix in one.suffixes)
+
+
+def usual_suffixes() -> frozenset[str]:
+    """The usual suffixes of recordings of all formats, those among them that tell nothing."""
+    return suffixes().union(*(one.ambiguous_suffixes for one in formats().values()))
 
 
 class Look(NamedTuple):
@@ -76,10 +81,9 @@ def _of_state(path: Path, state: State) -> Look:
 def _of_content(path: Path, state: State | None) -> Look:
     head, packed = head_of(path)
     suffix = _suffix(path)
-    recognising = [one for one in formats().values() if head and one.recognises(head)]
-    named = [one for one in formats().values() if suffix in one.suffixes]
-    kind = next(iter([one for one in recognising if one in named] or recognising or named), None)
-    return Look(kind, packed, state)
+    each = sorted(formats().values(), key=lambda one: suffix not in one.suffixes)  # those of this suffix first
+    named = each[0] if each and suffix in each[0].suffixes else None
+    return Look(next((one for one in each if head and one.recognises(head)), named), packed, state)
 
 
 def _suffix(path: Path) -> str:

@@ -41,6 +41,9 @@ if TYPE_CHECKING:
 MOST_UNNAMED = 20
 """Messages of a topic that bring no new names of elements, after which no more are asked for some."""
 
+PLACES_NAMING = 4
+"""Places in a file, as far apart, from which on messages are looked into for names."""
+
 LONGEST_NAMING = 1 << 18
 """Bytes of a message, beyond which it is not looked into for names."""
 
@@ -161,8 +164,8 @@ class Recording(SignalSource):
     def names(self) -> dict[str, dict[str, list[str]]]:
         """Return, by topic and field (``effort[]``), names of its elements in some messages that are short.
 
-        Of each topic messages are read from its first on, and from the middle of each recording on, as long as they
-        bring new names, and MOST_UNNAMED more: many nodes may publish on it, and some begin late.
+        Of each topic messages are read from its first on, and from PLACES_NAMING places of each file on, as long as
+        they bring new names, and MOST_UNNAMED more: many nodes may publish on it, and some begin late.
         """
         from robophm.transports.recordings.columns.rows import one_by_one
 
@@ -173,7 +176,9 @@ class Recording(SignalSource):
                 if not spans or "[]" not in " ".join(fields_of(one)):
                     continue
                 known = found.setdefault(one.topic, {})
-                for start in (spans[0][0], (spans[0][0] + spans[-1][1]) // 2):
+                first, last = spans[0][0], spans[-1][1]
+                for part in range(PLACES_NAMING):
+                    start = first + (last - first) * part // PLACES_NAMING
                     with suppress(Exception):  # what cannot be decoded, or is not there, names nothing
                         _name(known, message_type(one), (raw for _, raw, _ in one_by_one(file, [one.id], start)))
         return {topic: names for topic, names in found.items() if names}

@@ -4,7 +4,7 @@ A field that stands for a whole vector gives its components their unit. A joint'
 and N·m or m and N as the joint is, so they are left out; so are variances and covariances.
 
 Source: std_msgs, sensor_msgs, geometry_msgs, nav_msgs (common_interfaces), turtlesim; REP-103; the state topic of
-VDA 5050 2.1.
+VDA 5050 2.1; PX4's definitions of uORB messages.
 """
 
 from __future__ import annotations
@@ -66,6 +66,35 @@ _UNITS: dict[str, dict[str, str]] = {
         "velocity.vy": "m/s",
         "velocity.omega": "rad/s",
     },
+    "px4_msgs/AirspeedValidated": {"true_airspeed_m_s": "m/s"},
+    "px4_msgs/BatteryStatus": {
+        "voltage_v": "V",
+        "current_a": "A",
+        "current_average_a": "A",
+        "discharged_mah": "mA*h",
+        "remaining": "",
+        "temperature": "degC",
+        "voltage_cell_v": "V",
+    },
+    "px4_msgs/EscReport": {
+        "esc_rpm": "rpm",
+        "esc_voltage": "V",
+        "esc_current": "A",
+        "esc_temperature": "degC",
+    },
+    "px4_msgs/SensorAccel": {"x": "m/s^2", "y": "m/s^2", "z": "m/s^2", "temperature": "degC"},
+    "px4_msgs/SensorBaro": {"pressure": "Pa", "temperature": "degC"},
+    "px4_msgs/SensorGyro": {"x": "rad/s", "y": "rad/s", "z": "rad/s", "temperature": "degC"},
+    "px4_msgs/VehicleImuStatus": {"temperature_accel": "degC", "temperature_gyro": "degC"},
+    "px4_msgs/VehicleLocalPosition": {
+        "x": "m",
+        "y": "m",
+        "z": "m",
+        "vx": "m/s",
+        "vy": "m/s",
+        "vz": "m/s",
+        "heading": "rad",
+    },
     "turtlesim/Pose": {
         "x": "m",
         "y": "m",
@@ -94,6 +123,7 @@ _PARTS: dict[str, dict[str, str]] = {
         "pose": "geometry_msgs/PoseWithCovariance",
         "twist": "geometry_msgs/TwistWithCovariance",
     },
+    "px4_msgs/EscStatus": {"esc": "px4_msgs/EscReport"},
     "nav_msgs/Path": {"poses": "geometry_msgs/PoseStamped"},
 }
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Self
 
+from robophm.health.alarms import Alarm
 from robophm.health.mission import Completion
 from robophm.health.outlooks import View
 from robophm.health.report import HealthReport
@@ -44,6 +45,9 @@ class ReportSink(ABC):
 
     def noted(self, notes: Mapping[str, int]) -> None:  # noqa: B027  most sinks tell of health alone
         """Take what was lost, silent, refused or made anew: all counts so far, told when one has changed."""
+
+    def alarmed(self, changed: Sequence[Alarm], going_on: Sequence[Alarm]) -> None:  # noqa: B027  most tell of health
+        """Take alarms that have begun, ended or changed, and all that go on now."""
 
     @property
     def notes(self) -> Mapping[str, int]:

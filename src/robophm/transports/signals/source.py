@@ -31,6 +31,8 @@ class TopicInfo:
     """Paths of the numeric fields, ``pose.x``; of an array, ``effort[]``, a signal names one element."""
     trouble: str = ""
     """Why nothing of it can be heard now, as far as the source knows."""
+    elements: tuple[str, ...] = ()
+    """Paths of numbers of messages in arrays, ``esc[0].esc_temperature``, where the source tells how many there are."""
 
     @property
     def rate(self) -> float | None:
@@ -139,6 +141,8 @@ class LiveSource(SignalSource):
     """Whether what is heard was recorded before: it keeps its own time, however late it comes."""
     announced: ClassVar[bool] = True
     """Whether topics are announced before a message comes; otherwise only what was heard is known."""
+    task_topics: ClassVar[tuple[str, ...]] = ()
+    """Topics that tell of tasks wherever this transport is spoken."""
 
     @property
     def place(self) -> str:

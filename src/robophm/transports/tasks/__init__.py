@@ -6,8 +6,8 @@ Read are the three topics of the 2020 tool, std_msgs/String with a list in it, f
     task_time                     [t, …]               s: the times of the legs of a task that is done
     task_position, task_positions [[x, y], …]          m: where it led, one place more than there are times
 
-nav_msgs/Path, a planned task, and the poses of a robot, one done task. Distances are in the plane, as are those of
-the kilometres clock.
+Orders of VDA 5050 (``orders.py``), goals of navigation (``goals.py``), nav_msgs/Path, a planned task, and the poses of
+a robot, one done task. Distances are in the plane, as are those of the kilometres clock.
 """
 
 from __future__ import annotations

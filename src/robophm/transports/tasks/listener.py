@@ -8,6 +8,7 @@ from typing import Any
 
 from robophm.core.literal import LONGEST_LITERAL
 from robophm.transports.tasks.goals import GoalListener
+from robophm.transports.tasks.orders import OrderListener, tells_of_order
 from robophm.transports.tasks.texts import TEXT_TOPICS, TaskListener, last_step
 from robophm.transports.tasks.told import DoneTask, PlannedTask
 
@@ -30,6 +31,7 @@ class TaskTopics:
         self.notes = Counter() if notes is None else notes
         self.texts = TaskListener(self.notes)
         self._goals = GoalListener(self.notes)
+        self._orders = OrderListener(self.notes)
 
     def hear(self, time: int, topic: str, message: Any) -> PlannedTask | DoneTask | None:
         """Return the task that this message, received at ``time`` [ns], completes; None came and is unreadable."""
@@ -43,6 +45,8 @@ class TaskTopics:
             position = message.pose.pose.position
             self._goals.drive((position.x, position.y))
             return None
+        if tells_of_order(message):
+            return self._orders.hear(time, topic, message)
         if any(hasattr(message, name) for name in ("feedback", "status_list", "result", "goal")):
             return self._goals.hear(time, topic, message)
         if type_ is not None:
@@ -65,12 +69,12 @@ def known_topics(*roots: str) -> list[str]:
     return texts + topics_of(f"{root}{name}" for root in roots for name in ACTIONS)
 
 
-def topics_to_hear(named: Collection[str] = (), namespace: str = "") -> list[str]:
+def topics_to_hear(named: Collection[str] = (), namespace: str = "", own: Collection[str] = ()) -> list[str]:
     """Return the topics and actions to listen to for tasks as they are named; where none is, those known by name.
 
-    Of these both the ones in a robot's ``namespace`` and the ones outside it.
+    Of these both the ones in a robot's ``namespace`` and the ones outside it, and the source's ``own``.
     """
-    return topics_of(named) if named else known_topics(*dict.fromkeys(("", namespace.rstrip("/"))))
+    return topics_of(named) if named else [*known_topics(*dict.fromkeys(("", namespace.rstrip("/")))), *own]
 
 
 def topics_of(named: Iterable[str]) -> list[str]:

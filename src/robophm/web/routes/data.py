@@ -180,11 +180,11 @@ def _report(service: Service) -> str:
     settled = exposure.settled(ledger)
     wear = with_alarms(prepared.robot, settled, seen_wear(prepared.robot, settled))
     report = health_report(prepared.plant, exposure, settled, task=prepared.robot.task, wear=wear)
-    history: list[Any] = []
+    series = None
     if (store := service.settings.store) and store_exists(store):
         with open_store(store) as kept:
-            history = list(kept.history(prepared.robot.identity))
-    return health_page(prepared.robot, report, history, ledger.to_json())
+            series = kept.history(prepared.robot.identity).figures()
+    return health_page(prepared.robot, report, series, ledger.to_json())
 
 
 @router.get("/api/grafana")

@@ -150,14 +150,22 @@ def get_health(
         changed = checked.robot is None or checked.robot.design_hash != run.robot.design_hash
     if run and run.report:
         sensors = freshness(run.robot, service)
+        with service.monitoring.alarm_log(run.robot) as log:
+            alarms = log.alarms(open_only=True)
         return health_of(
-            run.report, run.lives, run, why=run.why, design_changed=changed, sensors=sensors, horizon=horizon
-        )
+            run.report, run.lives, run, why=run.why, design_changed=changed, sensors=sensors, horizon=horizon,
+            alarms=alarms,
+        )  # fmt: skip
     prepared = service.prepared()
     exposure, ledger = service.past(prepared)
     report = health_report(prepared.plant, exposure, ledger, wear=prepared.seen_wear(exposure, ledger))
     sensors = freshness(prepared.robot, service)
-    return health_of(report, report, run, why=explain(report), design_changed=changed, sensors=sensors, horizon=horizon)
+    with service.monitoring.alarm_log(prepared.robot) as log:
+        alarms = log.alarms(open_only=True)
+    return health_of(
+        report, report, run, why=explain(report), design_changed=changed, sensors=sensors, horizon=horizon,
+        alarms=alarms,
+    )  # fmt: skip
 
 
 def freshness(robot: Robot, service: Service) -> list[Freshness]:

@@ -17,6 +17,7 @@ from robophm.drafting.answers import Answers, Known, faults, questions
 from robophm.drafting.composing import Change, change_of
 from robophm.drafting.drafting import Draft, drafted
 from robophm.drafting.first_look import PartFigures, part_figures
+from robophm.drafting.received import endings
 from robophm.drafting.updating import earlier_answers, updated, was_drafted
 from robophm.drafting.writing import write_beside
 from robophm.parts import library, part
@@ -70,6 +71,8 @@ class NewRobot(Shape):
     """The answers that the design was drafted with."""
     parts: list[PartChange]
     library: list[LibraryEntry]
+    endings: dict[str, list[str]]
+    """Usual endings of the names of files that tell of a robot, by their kind."""
 
 
 class DraftAsked(Shape):
@@ -160,6 +163,7 @@ def get_new(service: Served) -> NewRobot:
         answers={key: str(said) for key, said in told.items()},
         parts=[PartChange(part=one.part, words=one.words) for one in changes],
         library=[LibraryEntry(name=one.name, title=one.title) for one in library().values()],
+        endings={kind: list(some) for kind, some in endings().items()},
     )
 
 

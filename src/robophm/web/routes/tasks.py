@@ -334,7 +334,7 @@ def prognosis(asked: PrognosisAsked, service: Served) -> JobState:
     if not any(task.legs for task in plan.tasks):
         raise DesignError("the tasks have no legs")
     future: FutureName = asked.future
-    threshold = asked.threshold or prepared.robot.thresholds.completion
+    threshold = asked.threshold or prepared.robot.wanted_completion
     wear = prepared.seen_wear(exposure, ledger)
     views = outlooks(prepared.plant, exposure, ledger, future=future, knowledge=plan.knowledge, wear=wear)
 

@@ -57,7 +57,7 @@ export function Files(): ReactNode {
         }}
       >
         <p>
-          Drop its URDF, recordings (.bag, .mcap, .db3, .ulg, .csv, .parquet, or a folder of them) and parts lists (.csv, .xlsx, .ods) here, or
+          Drop its URDF, recordings ({found?.endings.recording?.join(", ")}, or a folder of them) and parts lists ({found?.endings["parts list"]?.join(", ")}) here, or
         </p>
         <FileButton label="Choose files" several={handIn} />
       </div>

@@ -125,7 +125,9 @@ def _microcircuit(model: str, pins: str, **entries: Entry) -> Rule:
 
 
 _CMOS = assume("CMOS", "as is usual")
-_MOST_GATES = "the most that ANSI/VITA 51.1 has; most FPGAs have more: state their maker's figure"
+_MOST_GATES = (
+    "the most that ANSI/VITA 51.1 has; most FPGAs have more: their maker's figure is part: fpga of the library"
+)
 _LINEAR = {"transistors": assume("1000", "the third of the handbook's four classes")}
 
 
@@ -157,7 +159,7 @@ _COIL = Rule(
 def _fet_kind(part: Recognised, assumed: Assumptions) -> tuple[str, str]:
     kind = part.facts.get("type", "")
     if kind in ("GaN", "SiC"):
-        return "MOSFET", f"of silicon, for no handbook has {kind}"
+        return "MOSFET", f"of silicon, for no handbook has {kind}; the library has part: {kind.lower()}_transistor"
     return ("JFET", "") if kind == "JFET" else ("MOSFET", APPENDIX)
 
 

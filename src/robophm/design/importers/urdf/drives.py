@@ -151,13 +151,13 @@ def _driven(one: Moved, description: Description, chosen: Entry | None) -> Itera
         yield _part(joint, module, f"{name} gear", drive.name, why)
         yield _part(joint, module, f"{name} motor", "bldc_motor", "a wheel with a gear has a brushless motor")
         yield _part(joint, module, f"{name} encoder", "wheel_encoder", "a motor that is controlled has an encoder")
-        yield _part(joint, module, f"{name} motor driver", "motor_driver", "a motor has a driver")
+        yield _part(joint, module, f"{name} motor driver", "motor_controller", "a motor has a driver")
     else:
         yield _part(joint, name, "gear", drive.name, why)
         yield _part(joint, name, "motor", "servo_motor", "a joint with a gear has a servo motor")
         yield _part(joint, name, "encoder", "encoder_optical", "a joint with a gear has an absolute encoder")
         yield _part(joint, name, "brake", "holding_brake", "a joint that carries load has a holding brake")
-        yield _part(joint, name, "motor driver", "motor_driver", "a motor has a driver")
+        yield _part(joint, name, "motor driver", "motor_controller", "a motor has a driver")
     if wheel:
         yield _part(joint, module, f"{name} tread", "drive_wheel", "taken for rubber or polyurethane")
 

@@ -32,7 +32,7 @@ from robophm.transports.recordings.columns.bag_records import (
     record_at,
 )
 from robophm.transports.recordings.columns.chunk import Chunk, distinct
-from robophm.transports.recordings.columns.chunked import ChunkedFile
+from robophm.transports.recordings.columns.chunked import LONGEST_HEAD, ChunkedFile
 from robophm.transports.recordings.columns.field_extraction import Bytes, Ints, everywhere
 from robophm.transports.recordings.columns.pieces import (
     LONGEST_TEXT,
@@ -216,6 +216,7 @@ class BagFile(ChunkedFile):
         return table, position
 
     def _record(self, position: int) -> Record:
+        self.need([(position, position + LONGEST_HEAD)])
         return record_at(self.content, position, self.size)
 
     def _indices(self, position: int) -> Iterator[Record]:
@@ -276,13 +277,12 @@ class BagFile(ChunkedFile):
     def placed(self, chunks: list[Chunk], wanted: frozenset[int]) -> list[Chunk]:
         """The chunks, of which the index of all knows but where they begin."""
         unplaced = [number for number, chunk in enumerate(chunks) if not chunk.end]
-        for number in unplaced:
-            self.ahead(chunks[number].offset, chunks[number].offset + 1)
+        self.ahead_all((chunks[number].offset, chunks[number].offset + 1) for number in unplaced)
         found = [*chunks]
         for number in unplaced:
             chunk = self.chunk_at(chunks[number].offset)
             found[number] = chunk._replace(first=chunks[number].first, last=chunks[number].last)
-            self.ahead(chunk.end, chunk.end + 1)
+        self.ahead_all((found[number].end, found[number].end + 1) for number in unplaced)
         for number in unplaced:
             counts = self._ends[found[number].end] = self._told[chunks[number].offset]
             indices = dict.fromkeys(counts, found[number].end) if self._agrees(found[number], counts) else None

@@ -43,6 +43,23 @@ Place = tuple[Chunk, int, int]
 """A chunk, and where in a buffer what was unpacked of it begins and ends."""
 
 
+class Asked(NamedTuple):
+    """The part of a chunk that is asked for."""
+
+    chunk: Chunk
+    content: bool
+    """Whether anything but its index."""
+    sparse: bool
+    """Whether no more of it than single messages."""
+    size: int
+    """Bytes that this takes, about."""
+
+    @property
+    def unpacks(self) -> bool:
+        """Whether that has to be unpacked."""
+        return self.content and self.chunk.packed
+
+
 class UnknownError(DamageError):
     """Raised where an index has a form that this reader does not know, which a newer writer may use.
 
@@ -55,3 +72,9 @@ def distinct(offsets: NDArray[Any], most: int) -> bool:
     if len(offsets) > most:
         return False
     return bool((offsets[1:] > offsets[:-1]).all()) or len(np.unique(offsets)) == len(offsets)
+
+
+def index_of(chunk: Chunk) -> tuple[int, int]:
+    """Return where the index behind a chunk begins and ends, as far as that is known."""
+    begin = min(chunk.indices.values()) if chunk.indices else 0
+    return begin, max(begin + 1, chunk.behind) if begin else 0

@@ -9,13 +9,13 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from functools import partial
 from itertools import zip_longest
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from robophm.transports.recordings.columns.checksum import crc32
-from robophm.transports.recordings.columns.chunk import Chunk, Place, UnknownError
+from robophm.transports.recordings.columns.chunk import Asked, Chunk, Place, UnknownError, index_of
 from robophm.transports.recordings.columns.field_extraction import Bytes, Ints
 from robophm.transports.recordings.columns.mapped import PAGE, MappedFile
 from robophm.transports.recordings.columns.pieces import (
@@ -37,23 +37,10 @@ SPARSE = 4
 _AT_ONCE = min(4, os.cpu_count() or 1)
 """Chunks that are unpacked at once."""
 
+LONGEST_HEAD = 512
+"""Bytes in which the head of a message lies, as it is written."""
+
 _NOWHERE = np.empty(0, np.uint8)
-
-
-class _Asked(NamedTuple):
-    """What is asked of a chunk."""
-
-    chunk: Chunk
-    content: bool
-    """Whether anything but its index."""
-    sparse: bool
-    """Whether no more of it than single messages."""
-    size: int
-    """Bytes that this takes, about."""
-
-    @property
-    def unpacks(self) -> bool:
-        return self.content and self.chunk.packed
 
 
 class ChunkedFile(MappedFile):
@@ -85,7 +72,7 @@ class ChunkedFile(MappedFile):
         asked = [self._asked(chunk, wanted) for chunk in self._within(wanted, timed, start, end)]
         with ThreadPoolExecutor(_AT_ONCE, "unpacking") as beside:
 
-            def begun(batch: Sequence[_Asked]) -> list[Callable[[], Bytes | str]]:
+            def begun(batch: Sequence[Asked]) -> list[Callable[[], Bytes | str]]:
                 return [
                     beside.submit(self._held, one, wanted).result if one.unpacks else partial(self._held, one, wanted)
                     for one in batch
@@ -94,7 +81,7 @@ class ChunkedFile(MappedFile):
 
             contents: list[Callable[[], Bytes | str]] | None = None
 
-            def load(batch: list[_Asked], following: list[_Asked] | None) -> list[Messages]:
+            def load(batch: list[Asked], following: list[Asked] | None) -> list[Messages]:
                 nonlocal contents
                 if contents is None:
                     self._fetch(batch)
@@ -143,41 +130,35 @@ class ChunkedFile(MappedFile):
     def look_through(self, why: str) -> None:
         """Find the chunks from record to record, whatever an index says; those that are found are placed."""
 
-    def _asked(self, chunk: Chunk, wanted: frozenset[int]) -> _Asked:
+    def _asked(self, chunk: Chunk, wanted: frozenset[int]) -> Asked:
         if chunk.indices is None:
-            return _Asked(chunk, True, False, chunk.size)
+            return Asked(chunk, True, False, chunk.size)
         if chunk.indices.keys().isdisjoint(wanted):
-            return _Asked(chunk, False, False, PAGE)
+            return Asked(chunk, False, False, PAGE)
         if not chunk.packed and not chunk.cut:
             touched = self.counted(chunk, wanted) * PAGE
             if touched * SPARSE <= chunk.size:
-                return _Asked(chunk, True, True, touched)
-        return _Asked(chunk, True, False, chunk.size)
+                return Asked(chunk, True, True, touched)
+        return Asked(chunk, True, False, chunk.size)
 
     @abstractmethod
     def counted(self, chunk: Chunk, wanted: Collection[int]) -> int:
         """How many messages of these connections are in a chunk, by its index; more where that does not say it."""
 
-    def _fetch(self, batch: Iterable[_Asked]) -> None:
+    def _fetch(self, batch: Iterable[Asked]) -> None:
         """Have what is asked for come from the disk."""
-        for one in batch:
-            chunk = one.chunk
-            if one.content and not one.sparse:
-                self.ahead(chunk.offset, max(chunk.end, chunk.behind))
-            else:
-                self._fetch_index(chunk)
-
-    def _fetch_index(self, chunk: Chunk) -> None:
-        if chunk.indices:
-            begin = min(chunk.indices.values())
-            self.ahead(begin, max(begin + 1, chunk.behind))
+        self.ahead_all(
+            (one.chunk.offset, max(one.chunk.end, one.chunk.behind))
+            if one.content and not one.sparse
+            else index_of(one.chunk)
+            for one in batch
+        )
 
     def extents(self) -> dict[int, TopicExtent]:
         """The extent of each connection: by the index of each chunk, or by its messages where a chunk has none."""
         told: dict[int, TopicExtent] = {}
         chunks = self._within(frozenset(), frozenset(self._known()), -MOST_TIME, MOST_TIME)
-        for chunk in chunks:
-            self._fetch_index(chunk)
+        self.ahead_all(map(index_of, chunks))
         wrong: dict[int, Chunk] = {}
         for chunk in chunks:
             try:
@@ -200,14 +181,14 @@ class ChunkedFile(MappedFile):
     def indexed_times(self, chunk: Chunk) -> Mapping[int, Ints]:
         """When the messages of a chunk were received, by connection, as its index says; raises DamageError."""
 
-    def _held(self, one: _Asked, wanted: frozenset[int]) -> Bytes | str:
+    def _held(self, one: Asked, wanted: frozenset[int]) -> Bytes | str:
         """What a chunk holds, as far as it is wanted, or what is wrong with it."""
         with suppress(DamageError):
             if one.unpacks and (some := self._begun(one.chunk, wanted)) is not None:
                 return some
         return self._whole(one)
 
-    def _whole(self, one: _Asked) -> Bytes | str:
+    def _whole(self, one: Asked) -> Bytes | str:
         try:
             return self.unpacked(one.chunk, sparse=one.sparse)
         except DamageError as error:
@@ -235,7 +216,7 @@ class ChunkedFile(MappedFile):
     def _record_end(self, content: Bytes, offset: int) -> int:
         """Where the record ends that begins at this place of a chunk, as it says; raises DamageError."""
 
-    def _together(self, batch: Sequence[_Asked], contents: Sequence[Bytes | str]) -> tuple[Bytes, list[Place]]:
+    def _together(self, batch: Sequence[Asked], contents: Sequence[Bytes | str]) -> tuple[Bytes, list[Place]]:
         """One buffer, and where in it each chunk begins and ends: what was unpacked, or else the file itself."""
         sound: list[Bytes] = []
         places, end = [], 0
@@ -253,7 +234,7 @@ class ChunkedFile(MappedFile):
 
     def _load(
         self,
-        batch: Iterable[_Asked],
+        batch: Iterable[Asked],
         buffer: Bytes,
         places: Sequence[Place],
         wanted: frozenset[int],
@@ -281,11 +262,21 @@ class ChunkedFile(MappedFile):
                 indices, begins, ends = zip(*some, strict=True)
                 lengths = [len(index) // self.ENTRY.itemsize for index in indices]
                 index = np.frombuffer(b"".join(indices) if len(indices) > 1 else indices[0], self.ENTRY)
-                limits = np.repeat(ends, lengths)
-                found.append(self.located(buffer, connection, index, np.repeat(begins, lengths), limits))
+                limits, offsets = np.repeat(ends, lengths), np.repeat(begins, lengths)
+                self._need_heads(buffer, index["offset"].astype(np.int64) + offsets)
+                found.append(self.located(buffer, connection, index, offsets, limits))
+                self._need_messages(found[-1])
         except DamageError:
             return []
         return found
+
+    def _need_heads(self, buffer: Bytes, offsets: NDArray[Any]) -> None:
+        if self._fetched and buffer is self.content:
+            self.need((start, start + LONGEST_HEAD) for start in offsets.tolist())
+
+    def _need_messages(self, messages: Messages) -> None:
+        if self._fetched and messages.buffer is self.content:
+            self.need(zip(messages.starts.tolist(), messages.ends.tolist(), strict=True))
 
     def _one_by_one(
         self,
@@ -295,6 +286,7 @@ class ChunkedFile(MappedFile):
         timed: frozenset[int],
     ) -> Iterator[Messages]:
         """The messages of each chunk, by its index where that is sound."""
+        self.need((chunk.offset, max(chunk.end, chunk.behind)) for chunk, _, _ in places)
         buffer, places = self._in_full(buffer, places)
         for chunk, begin, end in places:
             asked = wanted if chunk.indices else wanted | timed
@@ -306,10 +298,10 @@ class ChunkedFile(MappedFile):
         begun = [chunk.packed and not chunk.cut and end - begin < chunk.size for chunk, begin, end in places]
         if not any(begun):
             return buffer, places
-        asked: list[_Asked] = []
+        asked: list[Asked] = []
         contents: list[Bytes | str] = []
         for (chunk, begin, end), in_part in zip(places, begun, strict=True):
-            asked.append(_Asked(chunk, True, False, chunk.size))
+            asked.append(Asked(chunk, True, False, chunk.size))
             contents.append(self._whole(asked[-1]) if in_part else buffer[begin:end])
         return self._together(asked, contents)
 
@@ -336,6 +328,8 @@ class ChunkedFile(MappedFile):
 
         Where it is read ``sparse``ly that is not looked at: a checksum is one of all of it.
         """
+        if not sparse:
+            self.need([(chunk.offset, chunk.end)])
         stored = self.content[chunk.start : chunk.end]
         if chunk.cut:
             return unpack_begun(stored, chunk.compression, chunk.size)
@@ -425,9 +419,9 @@ class ChunkedFile(MappedFile):
         """The messages in a chunk, found by going from record to record; notes what is lost."""
 
 
-def _batches(asked: Iterable[_Asked]) -> Iterator[list[_Asked]]:
-    """What is read at once: some that are packed, or some that are not."""
-    batch: list[_Asked] = []
+def _batches(asked: Iterable[Asked]) -> Iterator[list[Asked]]:
+    """Yield what is read at once: some that are packed, or some that are not."""
+    batch: list[Asked] = []
     size, packed = 0, None
     for one in asked:
         size += one.size

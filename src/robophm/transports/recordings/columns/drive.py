@@ -25,6 +25,7 @@ from robophm.transports.recordings.files import (
 from robophm.transports.recordings.format import MessageFormat, RecordingFormat
 from robophm.transports.recordings.packed import Unpacked
 from robophm.transports.recordings.recognising import formats
+from robophm.transports.recordings.remote import here
 from robophm.transports.recordings.unchanged import State
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ def opened(paths: Iterable[str | Path], notes: Counter[str], stack: ExitStack) -
     held: list[Held] = []
     stack.callback(_let_go, held)  # once for all: a callback for each of thousands is work for the collector
     for given in paths:
-        named = given if isinstance(given, Path) else Path(given)
+        named = here(given)
         for part, packs in _files(named, notes, failed):
             try:
                 with reading(part):

@@ -8,6 +8,7 @@ from __future__ import annotations
 import mmap
 import os
 from collections import Counter
+from collections.abc import Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -19,6 +20,7 @@ from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.field_extraction import Bytes
 from robophm.transports.recordings.columns.pieces import DamageError, PiecedFile
 from robophm.transports.recordings.files import fingerprint_of
+from robophm.transports.recordings.remote import fetched_of
 
 PAGE = mmap.PAGESIZE
 """Bytes that come from the disk at least."""
@@ -64,6 +66,7 @@ class MappedFile(PiecedFile):
         self._advice = _RANDOM
         self._digest: Future[str] | None = None
         self.source = path
+        self._fetched = fetched_of(path)
         self.size = path.stat().st_size
         if not self.size:
             raise SourceError(f"{path}: is empty; expected a recording")
@@ -117,6 +120,7 @@ class MappedFile(PiecedFile):
     def hold(self, content: Bytes) -> None:
         """Have this for content, which lies in memory, in the place of the file's."""
         self._memory, self._content, self.size, self._advice = None, content, len(content), None
+        self._fetched = None
 
     def close(self) -> None:
         """Let go of the file."""
@@ -126,13 +130,29 @@ class MappedFile(PiecedFile):
 
     def read_whole(self) -> None:
         """Say that the file is gone through from here to there."""
+        if self._fetched:
+            self._fetched.bring_all("it has no index, or a damaged one")
         self._advice = _WHOLE
         memory = self.content is not None and self._memory
         if memory and _WHOLE is not None:
             memory.madvise(_WHOLE)
 
+    def need(self, ranges: Iterable[tuple[int, int]]) -> None:
+        """Fetch these bytes, where the file lies elsewhere and they are not here yet."""
+        if self._fetched:
+            self._fetched.bring(ranges)
+
+    def ahead_all(self, ranges: Iterable[tuple[int, int]]) -> None:
+        """Have the bytes of each of these ranges come, those of a file elsewhere at once."""
+        if self._fetched:
+            self._fetched.bring(ranges)
+        else:
+            for start, end in ranges:
+                self.ahead(start, end)
+
     def ahead(self, start: int, end: int) -> None:
         """Have these bytes come from the disk while other things are done."""
+        self.need([(start, end)])
         memory = self.content is not None and self._memory
         if memory and _AHEAD is not None and self._advice == _RANDOM:
             start = max(0, start)
@@ -147,4 +167,5 @@ class MappedFile(PiecedFile):
         """Bytes of the file where they lie; raises DamageError where they do not exist."""
         if not 0 <= start <= end <= self.size:
             raise DamageError(f"bytes {start} to {end} of {self.size}")
+        self.need([(start, end)])
         return self.content.data[start:end]

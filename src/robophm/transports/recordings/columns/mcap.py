@@ -188,8 +188,7 @@ class McapFile(ChunkedFile):
         some = [number for number, one in enumerate(chunks) if not (one.indices and wanted.isdisjoint(one.indices))]
         if not self._from_index or not some:
             return chunks
-        for number in some:
-            self.ahead(chunks[number].offset, chunks[number].start)
+        self.ahead_all((chunks[number].offset, chunks[number].start) for number in some)
         found = [*chunks]
         for number in some:
             known = chunks[number]
@@ -326,6 +325,7 @@ class McapFile(ChunkedFile):
             raise _NotInSummaryError("no summary")
         if summary > start:
             raise DamageError("no summary")
+        self.ahead(summary, self.size)
         if self.content[summary] not in kinds.SUMMARY:  # before all up to the end is gone through
             raise DamageError("no summary")
         if checksum and crc32(self.view(summary, start + 25)) != checksum:

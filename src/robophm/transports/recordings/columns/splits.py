@@ -17,9 +17,7 @@ from robophm.transports.recordings.columns.field_extraction import Bytes
 from robophm.transports.recordings.columns.mapped import MappedFile
 from robophm.transports.recordings.columns.pieces import BATCH, DamageError, Messages, Piece, PiecedFile, together
 from robophm.transports.recordings.files import reading
-
-SMALL = 1 << 20
-"""Bytes of a file, beyond which it is read by itself."""
+from robophm.transports.recordings.remote import SMALL
 
 
 def splits_joined(files: Sequence[PiecedFile]) -> list[PiecedFile]:

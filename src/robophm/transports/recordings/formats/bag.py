@@ -18,4 +18,4 @@ def _open(path: Path, notes: Counter[str]) -> PiecedFile:
     return BagFile(path, notes)
 
 
-FORMAT = MessageFormat((".bag",), lambda head: head.startswith(b"#ROSBAG V"), _open)
+FORMAT = MessageFormat((".bag",), lambda head: head.startswith(b"#ROSBAG V"), _open, in_parts=True)

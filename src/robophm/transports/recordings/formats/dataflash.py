@@ -311,4 +311,4 @@ def _recognises(head: bytes) -> bool:
     return False
 
 
-FORMAT = SampleFormat((), _recognises, DataFlashRecording)
+FORMAT = SampleFormat((), _recognises, DataFlashRecording, ambiguous_suffixes=(".bin", ".log"))

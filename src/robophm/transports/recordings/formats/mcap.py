@@ -18,4 +18,4 @@ def _open(path: Path, notes: Counter[str]) -> PiecedFile:
     return McapFile(path, notes)
 
 
-FORMAT = MessageFormat((".mcap",), lambda head: head.startswith(b"\x89MCAP"), _open)
+FORMAT = MessageFormat((".mcap",), lambda head: head.startswith(b"\x89MCAP"), _open, in_parts=True)

@@ -24,6 +24,7 @@ LARGEST_GROUP = 1 << 30
 """Bytes of a group of rows, unpacked; of a larger one it is not known what it takes of memory."""
 
 _ROWS = 1 << 16
+_ALWAYS = np.iinfo(np.int64).min
 
 
 class ParquetRecording(SignalSource):
@@ -51,7 +52,7 @@ class ParquetRecording(SignalSource):
 
     def samples(self, signals: Collection[str]) -> Iterator[Sample]:
         """The samples of these signals, in order of time; raises SourceError as the interface says."""
-        return (sample for block in self.columns(signals, 0) for sample in samples_in_order(block))
+        return (sample for block in self.columns(signals, _ALWAYS) for sample in samples_in_order(block))
 
     def columns(self, signals: Collection[str], since: int) -> Iterator[Mapping[str, SignalColumns]]:
         """The samples of these signals, some rows at a time."""
@@ -88,7 +89,7 @@ class ParquetRecording(SignalSource):
         rows: Counter[str] = Counter()
         ends: dict[str, tuple[int, int]] = {}
         spans: list[tuple[int, int]] = []
-        for block in self._blocks(self._signals, np.iinfo(np.int64).min):
+        for block in self._blocks(self._signals, _ALWAYS):
             for signal, (times, _, _) in block.items():
                 if len(times):
                     rows[signal] += len(times)

@@ -12,10 +12,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from . import logs
 from .mutate import mutant
 from .pool import Result, examine, run
 
-FORMATS = ("bag", "db3", "wal", "mcap")
+FORMATS = ("bag", "db3", "wal", "mcap", *logs.FORMATS)
 OUTCOMES = ("whole", "in part", "changed", "refused", "fault")
 FOUND = Path("fuzz-findings")
 

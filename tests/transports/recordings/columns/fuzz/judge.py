@@ -20,6 +20,7 @@ from robophm.transports.recordings.columns import read_columns
 from robophm.transports.recordings.opening import open_source
 from robophm.transports.recordings.recording import Recording
 
+from . import log_judge
 from .mutate import Mutant
 from .seeds import FIELDS, MEMORY, TOPICS, Rows, numbers, truth, typestore
 
@@ -77,7 +78,11 @@ def judge(mutant: Mutant, path: Path) -> tuple[Verdict, Read | SourceError]:
     with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always")
         try:
+            if mutant.log:
+                return Verdict(*log_judge.verdict(mutant, path)), SourceError("")
             ours = read(path, mutant.topics)
+        except SourceError as error:
+            return _refusal(error, mutant, path), error
         except Exception:
             return Verdict("fault", traceback.format_exc()), SourceError("")
     if warned:
@@ -95,7 +100,7 @@ def _refusal(error: SourceError, mutant: Mutant, path: Path) -> Verdict:
         if isinstance(cause, MemoryError):
             return Verdict("fault", "wants all memory: " + "".join(traceback.format_exception(cause)))
         cause = cause.__cause__ or (None if cause.__suppress_context__ else cause.__context__)
-    if mutant.losable is not None and mutant.suffix != ".db3" and len(mutant.losable) < 6:
+    if mutant.losable is not None and not mutant.log and mutant.suffix != ".db3" and len(mutant.losable) < 6:
         return Verdict("fault", f"refused where most can be read: {error}")
     return Verdict("refused")
 
@@ -126,7 +131,7 @@ def counted(rows: Rows, topics: Iterable[str]) -> Counter[tuple[str, int, str]]:
 
 def compare(ours: Read | SourceError, mutant: Mutant, path: Path) -> Iterator[tuple[str, str]]:
     """What every peer makes of the file: 'refuses', 'agrees', 'ours says what is lost', or where they differ."""
-    for name, peer in PEERS[mutant.suffix]:
+    for name, peer in () if mutant.log else PEERS[mutant.suffix]:
         if mutant.beside and peer is _rosbags:  # which does not look into a log
             continue
         try:

@@ -12,7 +12,9 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from . import logs
 from . import seeds as written
+from .logs import LogSeed
 from .seeds import TOPICS, Seed, definition, seeds
 from .shapes import Message, Shape, bag_records, mcap_records, shape_of
 
@@ -32,6 +34,8 @@ class Mutant:
     """That are asked for."""
     beside: bytes = b""
     """The database, where the content is that of its log."""
+    log: LogSeed | None = None
+    """The sound file, where that holds samples or messages that are not of ROS."""
 
     def write(self, path: Path) -> None:
         """Write it, and what belongs to it, in the place of what was there."""
@@ -44,18 +48,22 @@ class Mutant:
 
 @cache
 def stock(format_: str) -> list[tuple[Seed, Shape]]:
-    return [(seed, shape_of(seed)) for seed in seeds(format_)]
+    return [(seed, shape_of(seed)) for seed in (logs.seeds if format_ in logs.FORMATS else seeds)(format_)]
 
 
 def mutant(format_: str, number: int, seed: int) -> Mutant:
     """The damaged file of this number."""
     chance = random.Random(f"{format_} {seed} {number}")
     topics = chance.choice([tuple(TOPICS), *((topic,) for topic in TOPICS)])
-    if chance.random() < 0.02 and format_ != "wal":
+    if chance.random() < 0.02 and format_ in ("bag", "db3", "mcap"):
         return _defined(format_, chance, topics)
     recording, shape = chance.choice(stock(format_))
     content = bytearray(recording.content)
     how, losable = _once(content, recording, shape, chance)
+    log = recording if isinstance(recording, LogSeed) else None
+    if log:
+        whole = how == "cut" and len(content) in {0, *(end for _, end in log.records)}  # which nothing tells
+        losable = frozenset() if how in _ONE_CHANGE and not whole else None
     done = [how]
     while chance.random() < 0.3:
         done.append(_once(content, recording, shape, chance)[0])
@@ -68,7 +76,7 @@ def mutant(format_: str, number: int, seed: int) -> Mutant:
         losable = None
     ros = 1 if format_ == "bag" or recording.name == "ros1" else 2
     suffix = ".db3" if recording.beside else recording.suffix
-    return Mutant(" ".join((recording.name, *done)), sealed, suffix, ros, losable, topics, recording.beside)
+    return Mutant(" ".join((recording.name, *done)), sealed, suffix, ros, losable, topics, recording.beside, log)
 
 
 def _once(content: bytearray, seed: Seed, shape: Shape, chance: random.Random) -> tuple[str, frozenset[Message] | None]:
@@ -173,7 +181,7 @@ def _exchange(content: bytearray, _: Seed, shape: Shape, chance: random.Random) 
 
 def _splice(content: bytearray, seed: Seed, _: Shape, chance: random.Random) -> None:
     """The begin of one recording and the end of another."""
-    other, shape = chance.choice(stock(seed.suffix[1:]))
+    other, shape = chance.choice(stock(seed.suffix[1:].lower()))
     at, to = chance.choice([chance.choice(shape.records), (chance.randrange(len(other.content)),) * 2])
     content[at:] = other.content[chance.choice([at, to]) :]
 
@@ -213,6 +221,10 @@ _WAYS: dict[str, tuple[int, Callable[[bytearray, Seed, Shape, random.Random], fr
     "splice": (3, _splice),  # type: ignore[dict-item]
     "text": (4, _text),  # type: ignore[dict-item]
 }
+
+
+_ONE_CHANGE = ("number", "flip", "bit", "cut")
+"""Ways that change a file at one place, without a second copy of anything."""
 
 
 # Definitions

@@ -15,7 +15,9 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import NamedTuple
 
+from . import log_judge
 from .judge import compare, judge, read
+from .logs import LogSeed
 from .mutate import mutant, stock
 from .seeds import MEMORY
 
@@ -85,7 +87,10 @@ def _work(format_: str, first: int, behind: int, seed: int, results: Connection)
         for recording, _ in stock(format_):  # what is loaded and compiled at first is not a file's
             path = Path(folder) / f"sound{'.db3' if recording.beside else recording.suffix}"
             path.write_bytes(recording.beside or recording.content)
-            read(path)
+            if isinstance(recording, LogSeed):
+                log_judge.read(path, [signal for signal, _ in recording.samples])
+            else:
+                read(path)
         with Path("/proc/self/statm").open() as file:
             space = int(file.read().split()[0]) * resource.getpagesize() + SPACE
         resource.setrlimit(resource.RLIMIT_AS, (space, space))

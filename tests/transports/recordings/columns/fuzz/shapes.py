@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass, field
 
+from .logs import LogSeed
 from .seeds import IN_LOG, SECOND, T0, TOPICS, Seed, messages
 
 Span = tuple[int, int]
@@ -31,8 +32,17 @@ class Shape:
 
 
 def shape_of(seed: Seed) -> Shape:
+    if isinstance(seed, LogSeed):
+        return _log(seed)
     shape = Shape()
     {".mcap": _mcap, ".bag": _bag, ".db3": _db3, ".wal": _wal}[seed.suffix](seed, shape)
+    return shape
+
+
+def _log(seed: LogSeed) -> Shape:
+    shape = Shape([*seed.numbers], [*seed.records])
+    if seed.suffix == ".mcap":
+        _mcap_part(seed.content, shape, 8, len(seed.content) - 8)
     return shape
 
 

@@ -1,0 +1,72 @@
+"""Events in a robot's past, told from its reports and its ledger as they are kept."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from datetime import UTC, datetime
+from itertools import takewhile
+from typing import Any, Literal, NamedTuple
+
+Kind = Literal[
+    "breach", "breach ended", "silence", "silence ended", "replacement", "repair", "design change", "restart", "alarm"
+]
+
+_STALE = "stale "
+
+
+class Event(NamedTuple):
+    """One thing that happened; there is one of each kind, time and subject."""
+
+    time: int
+    """When [ns since the epoch]; of a breach or a silence the report that was the first to tell of it."""
+    kind: Kind
+    subject: str
+    """Subject of the event: a figure of a module, a signal, a failure mode, a part; "" the robot."""
+    said: str
+    """Words for people."""
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the event as plain values, its moment in words too."""
+        return {**self._asdict(), "at": datetime.fromtimestamp(self.time // 10**9, UTC).isoformat()}
+
+
+def events_between(before: Mapping[str, Any] | None, after: Mapping[str, Any]) -> Iterator[Event]:
+    """Yield what a health report as JSON tells of that the one before, None for the first, does not."""
+    time = after["time"]
+    was, now = _breaches(before or {}), _breaches(after)
+    for subject in now.keys() - was.keys():
+        yield Event(time, "breach", subject, now[subject])
+    for subject in was.keys() - now.keys():
+        yield Event(time, "breach ended", subject, f"no longer so: {was[subject]}")
+    silent, heard = _silent(before or {}), _silent(after)
+    for signal in heard - silent:
+        yield Event(time, "silence", signal, f"{signal} is silent")
+    for signal in silent - heard:
+        yield Event(time, "silence ended", signal, f"{signal} is heard again")
+    if before and before.get("design_hash") != after.get("design_hash"):
+        yield Event(time, "design change", "", "another state of the design")
+
+
+def events_of(ledger: Mapping[str, Any]) -> Iterator[Event]:
+    """Yield what a ledger as JSON tells of: its services and the changes of its design."""
+    for time, mode, kind, failed, *_ in ledger.get("services", ()):
+        done: Kind = "replacement" if kind == "replaced" else "repair"
+        yield Event(time, done, mode, f"{mode} {kind}{' after it had failed' if failed else ''}")
+    for time, part, kind, before in ledger.get("changes", ()):
+        yield Event(time, "design change", part, f"{part}: {kind}{f', before {before}' if before else ''}")
+
+
+def _breaches(report: Mapping[str, Any]) -> dict[str, str]:
+    """The breaches of a report by figure, whose value now is not what they are told apart by."""
+    found = {}
+    for one in report.get("subjects", ()):
+        path = "" if one.get("kind") == "robot" else f"{one.get('path')}: "
+        for words in one.get("breaches", ()):
+            figure = " ".join(takewhile(lambda word: not word[0].isdigit(), words.split()))
+            found[path + figure] = path + words
+    return found
+
+
+def _silent(report: Mapping[str, Any]) -> set[str]:
+    flags = (flag for one in report.get("subjects", ()) for flag in one.get("flags", ()))
+    return {flag.removeprefix(_STALE) for flag in flags if flag.startswith(_STALE)}

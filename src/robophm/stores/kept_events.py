@@ -1,0 +1,34 @@
+"""Events in SQLite, none of which is ever thinned."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Iterable
+
+from robophm.stores._tables import EVENT
+from robophm.stores.events import Event
+
+
+class KeptEvents:
+    """The events of all robots in a base; whoever calls has the transaction."""
+
+    def __init__(self, base: sqlite3.Connection) -> None:
+        self._base = base
+
+    def add(self, robot: str, events: Iterable[Event]) -> None:
+        """Keep events, each in the place of one that was the same."""
+        EVENT.put(self._base, robot, events)
+
+    def drop_after(self, robot: str, last: int) -> None:
+        """Forget the events after a time [ns]."""
+        EVENT.drop(self._base, robot, "time > ?", last)
+
+    def between(self, robot: str, start: int | None, end: int | None, most: int) -> list[Event]:
+        """Return the events from a time until before another [ns], None being open: the latest, oldest first.
+
+        Raises StoreError where one is damaged.
+        """
+        first = -(2**63) if start is None else start
+        last = 2**63 - 1 if end is None else end
+        tail = "AND time >= ? AND time < ? ORDER BY time DESC, kind DESC, subject DESC LIMIT ?"
+        return [Event(*row) for row in EVENT.rows(self._base, robot, tail, first, last, most)][::-1]

@@ -1,0 +1,79 @@
+"""The history of robots in SQLite: figures for ever, events for ever, whole reports thinned as they grow old."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
+from itertools import chain, pairwise
+from typing import Any
+
+from robophm.core.argument_checks import number
+from robophm.stores.events import Event, events_between, events_of
+from robophm.stores.figures import FigureSeries
+from robophm.stores.kept_events import KeptEvents
+from robophm.stores.kept_reports import KeptReports
+from robophm.stores.pyramid import Pyramid
+from robophm.stores.store import MOST_EVENTS, MOST_POINTS, POINTS, History
+
+
+class KeptHistory:
+    """The histories of all robots in a base; whoever calls has the transaction."""
+
+    def __init__(self, base: sqlite3.Connection) -> None:
+        self.figures = Pyramid(base)
+        self.reports = KeptReports(base)
+        self.events = KeptEvents(base)
+
+    def add(
+        self, robot: str, ledger: Mapping[str, Any], reports: Sequence[Mapping[str, Any]], events: Iterable[Event] = ()
+    ) -> None:
+        """Take in reports, what they and the ledger tell of, all as JSON, and what else is told."""
+        if reports:
+            in_order = sorted(reports, key=lambda report: report["time"])
+            self.take(robot, in_order, self.reports.before(robot, in_order[0]["time"]))
+        self.events.add(robot, (*events_of(ledger), *events))
+
+    def take(
+        self, robot: str, reports: Sequence[Mapping[str, Any]], before: Mapping[str, Any] | None,
+        newest: int | None = None,
+    ) -> None:  # fmt: skip
+        """Take in reports in order, the one ``before`` them being known, and the time of the ``newest`` to come."""
+        pairs = pairwise((before, *reports))
+        self.events.add(robot, chain.from_iterable(events_between(one, other) for one, other in pairs if other))
+        self.reports.add(robot, reports, newest)
+        self.figures.add(robot, reports)
+
+    def drop_after(self, robot: str, last: int) -> None:
+        """Forget what came after a time [ns]."""
+        for kept in (self.figures, self.reports, self.events):
+            kept.drop_after(robot, last)
+
+
+class HistoryOf(History):
+    """The history of one robot in a base."""
+
+    def __init__(self, kept: KeptHistory, robot: str, errors: Callable[[], AbstractContextManager[None]]) -> None:
+        """``errors``: what turns those of the base into those of stores."""
+        self._kept, self._robot, self._errors = kept, robot, errors
+
+    def reports(self) -> Iterator[Mapping[str, Any]]:
+        """Yield the reports that are kept whole, oldest first."""
+        with self._errors():
+            yield from self._kept.reports.all(self._robot)
+
+    def figures(self, start: int | None = None, end: int | None = None, points: int = POINTS) -> FigureSeries:
+        """Return the figures of the reports from a time until before another [ns]. Raises RobophmError."""
+        number(points, "points", low=2, high=MOST_POINTS, whole=True)
+        with self._errors():
+            return self._kept.figures.figures(self._robot, start, end, points)
+
+    def report_at(self, time: int) -> Mapping[str, Any] | None:
+        """Return the last report that is kept up to a time [ns], else the first after it; None where there is none."""
+        with self._errors():
+            return self._kept.reports.at(self._robot, time)
+
+    def events(self, start: int | None = None, end: int | None = None, most: int = MOST_EVENTS) -> list[Event]:
+        """Return the events from a time until before another [ns], oldest first; the latest where there are more."""
+        with self._errors():
+            return self._kept.events.between(self._robot, start, end, most)

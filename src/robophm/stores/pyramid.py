@@ -1,0 +1,226 @@
+"""A pyramid of figures in SQLite: each report's, and lowest, mean and highest over ten minutes, hours and days.
+
+Each row has a checksum, and says of how many reports it is: so it is seen when one below it is missing. How many days
+there are is in the table of what there is.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import operator
+import sqlite3
+import zlib
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
+from itertools import chain, count, islice, pairwise
+from typing import Any
+
+import numpy as np
+
+from robophm.core.signal import DAY, SECOND
+from robophm.stores._checked_rows import DamagedError
+from robophm.stores.figures import FigureSeries, figures_of, joined, packed, unpacked
+
+WIDTHS = (0, 600 * SECOND, 3600 * SECOND, DAY)
+"""Lengths of time of the levels [ns]: single reports, ten minutes, hours, days (UTC)."""
+
+_SUM = 4
+"""Bytes of a row's checksum."""
+
+_MISSING = "the figures of the history are damaged: it has not the rows that were written"
+
+MOST_ROWS = 10_000
+"""The most rows of a level that are read for one answer, unless they are days."""
+
+
+class Pyramid:
+    """The figures of all robots in a base; whoever calls has the transaction."""
+
+    def __init__(self, base: sqlite3.Connection) -> None:
+        self._base = base
+
+    def add(self, robot: str, reports: Iterable[Mapping[str, Any]]) -> None:
+        """Take in the figures of reports as JSON; those of the same time are replaced."""
+        figures = {report["time"]: figures_of(report) for report in reports}
+        if not figures:
+            return
+        times = sorted(figures)
+        values = np.array([figures[time] for time in times])
+        number = number_of(robot)
+        at = np.array(times, dtype=np.int64)
+        self._put(number, FigureSeries(0, at, (~np.isnan(values)).astype(np.int64), values, values, values))
+        self._raise(number, times)
+        self._know_days(robot)
+
+    def drop_after(self, robot: str, last: int) -> None:
+        """Forget what came after a time [ns]."""
+        number = number_of(robot)
+        for width in WIDTHS:
+            first = last // width * width if width else last + 1  # the span of that time is worked out anew
+            query = "DELETE FROM figures WHERE robot = ? AND width = ? AND start >= ?"
+            self._base.execute(query, (number, width, first))
+        self._raise(number, [last])
+        self._know_days(robot)
+
+    def figures(self, robot: str, start: int | None, end: int | None, points: int) -> FigureSeries:
+        """Return the figures from a time until before another [ns], None being open, in at most so many points, 2 or
+        more. Raises DamagedError where they are not those that were written.
+        """
+        number = number_of(robot)
+        first = -(2**63) if start is None else start
+        last = 2**63 - 1 if end is None else end
+        for width in WIDTHS:
+            begin = max(first // width * width, -(2**63)) if width else first
+            if width == WIDTHS[-1] or self._rows(number, width, begin, last) <= MOST_ROWS:
+                break
+        found = self._whole(robot, width, begin, last)
+        if len(found.times) <= points:
+            return found
+        long = int(found.times[-1]) - int(found.times[0]) + 1
+        least = -(-long // (points - 1))  # which begin at multiples: one more than fit
+        return joined(found, next(length for length in _round_lengths(least) if length % max(width, 1) == 0))
+
+    def sound_rows(self, robot: str) -> Iterator[tuple[int, bytes]]:
+        """Yield times and bodies of the reports' figures that are as written, from both ends as far as possible."""
+        number, reached = number_of(robot), -(2**63)
+        for order in ("ASC", "DESC"):
+            query = f"SELECT start, body FROM figures WHERE robot = ? AND width = 0 ORDER BY start {order}"
+            first = order == "ASC"
+            with suppress(sqlite3.Error, UnicodeError):
+                for start, body in self._base.execute(query, (number,)):
+                    if not first and start <= reached:
+                        break
+                    if _is_sound(number, 0, start, body):
+                        reached = max(reached, start) if first else reached
+                        yield start, body
+
+    def take_rows(self, robot: str, rows: Iterable[tuple[int, bytes]]) -> None:
+        """Keep figures of reports as ``sound_rows`` gives them."""
+        number, left = number_of(robot), iter(rows)
+        while some := list(islice(left, MOST_ROWS)):
+            said = ((number, start, body) for start, body in some)
+            self._base.executemany("INSERT OR REPLACE INTO figures VALUES (?, 0, ?, ?)", said)
+            self._raise(number, (start for start, _ in some))
+        self._know_days(robot)
+
+    def check(self, robot: str) -> None:
+        """Raise DamagedError where the robot's rows are not those that were written."""
+        number = number_of(robot)
+        for width in WIDTHS:
+            query = (
+                "SELECT start FROM figures WHERE robot = ? AND width = ? AND start > ? ORDER BY start LIMIT 1 OFFSET ?"
+            )
+            first: int | None = -(2**63)
+            while first is not None:
+                row = self._base.execute(query, (number, width, first, MOST_ROWS)).fetchone()
+                self._whole(robot, width, first, row[0] if row else 2**63 - 1)
+                first = row[0] if row else None
+
+    def _whole(self, robot: str, width: int, begin: int, end: int) -> FigureSeries:
+        """What a level has of a stretch of time. Raises DamagedError where that is not all that was written."""
+        number, days = number_of(robot), WIDTHS[-1]
+        if width == days:
+            if self._days(number) != self._known_days(robot):
+                raise DamagedError(_MISSING)
+            return self._read(number, width, begin, end)
+        above = WIDTHS[WIDTHS.index(width) + 1]
+        whole = max(begin // above * above, -(2**63)), min(-(-end // above) * above, 2**63 - 1)
+        found, told = self._read(number, width, *whole), self._read(number, above, *whole)
+        there = joined(found, above)
+        if not (np.array_equal(there.times, told.times) and np.array_equal(there.number, told.number)):
+            raise DamagedError(_MISSING)
+        asked = (found.times >= begin) & (found.times < end)
+        of, low, mean, high = found.number, found.low, found.mean, found.high
+        return FigureSeries(width, found.times[asked], of[asked], low[asked], mean[asked], high[asked])
+
+    def _days(self, number: int) -> tuple[int, int]:
+        """How many days there are, and all their checksums together."""
+        query = "SELECT substr(CAST(body AS BLOB), ?) FROM figures WHERE robot = ? AND width = ?"
+        sums = [one for (one,) in self._base.execute(query, (-_SUM, number, WIDTHS[-1]))]
+        return len(sums), functools.reduce(operator.xor, (int.from_bytes(bytes(one)) for one in sums), 0)
+
+    def _know_days(self, robot: str) -> None:
+        known = self._days(number_of(robot))
+        self._base.execute("INSERT OR REPLACE INTO content VALUES ('figures', ?, ?, ?)", (robot, *known))
+
+    def _known_days(self, robot: str) -> tuple[int, int]:
+        query = "SELECT rows, sums FROM content WHERE part = 'figures' AND robot = ?"
+        return self._base.execute(query, (robot,)).fetchone() or (0, 0)
+
+    def _rows(self, number: int, width: int, start: int, end: int) -> int:
+        query = """SELECT count(*) FROM (
+            SELECT 1 FROM figures WHERE robot = ? AND width = ? AND start >= ? AND start < ? LIMIT ?)"""
+        found: int = self._base.execute(query, (number, width, start, end, MOST_ROWS + 1)).fetchone()[0]
+        return found
+
+    def _read(self, number: int, width: int, start: int, end: int) -> FigureSeries:
+        query = """SELECT start, body FROM figures
+            WHERE robot = ? AND width = ? AND start >= ? AND start < ? ORDER BY start"""
+        rows = self._base.execute(query, (number, width, start, end)).fetchall()
+        return unpacked(width, [start for start, _ in rows], [_sound(number, width, *row) for row in rows])
+
+    def _put(self, number: int, series: FigureSeries) -> None:
+        rows = zip(series.times.tolist(), packed(series), strict=True)
+        self._base.executemany(
+            "INSERT OR REPLACE INTO figures VALUES (?, ?, ?, ?)",
+            (
+                (number, series.width, start, body + _checksum(number, series.width, start, body))
+                for start, body in rows
+            ),
+        )
+
+    def _raise(self, number: int, times: Iterable[int]) -> None:
+        """Work out anew the spans in which these times are, each from the level below."""
+        for below, width in pairwise(WIDTHS):
+            starts = sorted({time // width * width for time in times})
+            for first, last in _runs(starts, width):
+                found = joined(self._read(number, below, first, last), width)
+                if len(found.times):
+                    self._put(number, found)
+
+
+def number_of(robot: str) -> int:
+    """Return the number that stands for a robot's name in each of millions of rows, which chance gives to no other."""
+    return int.from_bytes(hashlib.blake2b(robot.encode(), digest_size=6).digest()) - 2**47
+
+
+def _checksum(number: int, width: int, start: int, body: bytes) -> bytes:
+    return zlib.crc32(body, zlib.crc32(f"{number} {width} {start}".encode())).to_bytes(_SUM)
+
+
+def _is_sound(number: int, width: int, start: int, row: bytes) -> bool:
+    return isinstance(row, bytes) and row[-_SUM:] == _checksum(number, width, start, row[:-_SUM])
+
+
+def _sound(number: int, width: int, start: int, row: bytes) -> bytes:
+    """The body of a row without its checksum. Raises DamagedError where that is another."""
+    if not _is_sound(number, width, start, row):
+        raise DamagedError("the figures of the history are damaged: a checksum is another")
+    return row[:-_SUM]
+
+
+def _round_lengths(least: int) -> Iterator[int]:
+    """Yield round lengths of time of at least so many ns, ascending: 2 min, 6 h, 10 days; below 1 s that itself."""
+    if least <= SECOND:
+        yield least
+    days = chain.from_iterable((10**power * DAY, 2 * 10**power * DAY, 5 * 10**power * DAY) for power in count())
+    for length in chain((one * SECOND for one in _WITHIN_A_DAY), days):
+        if length >= least:
+            yield length
+
+
+_WITHIN_A_DAY = (
+    *(1, 2, 5, 10, 15, 30), *(60 * one for one in (1, 2, 5, 10, 20, 30)), *(3600 * one for one in (1, 2, 3, 6, 12)),
+)  # fmt: skip
+
+
+def _runs(starts: list[int], width: int) -> Iterable[tuple[int, int]]:
+    """First and beyond the last of the spans that follow each other."""
+    runs: list[tuple[int, int]] = []
+    for start in starts:
+        if runs and runs[-1][1] == start:
+            runs[-1] = runs[-1][0], start + width
+        else:
+            runs.append((start, start + width))
+    return runs

@@ -1,0 +1,78 @@
+"""The log of one robot's alarms in a SQLite file, in a table of its own that is made with the first alarm."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import AbstractContextManager
+from typing import Any
+
+from robophm.stores.alarm_log import MOST_ALARMS, AlarmLog
+
+_TABLE = """CREATE TABLE IF NOT EXISTS alarm (
+    number INTEGER PRIMARY KEY AUTOINCREMENT, robot TEXT NOT NULL, what TEXT NOT NULL, begin INTEGER NOT NULL,
+    ended INTEGER, body TEXT NOT NULL, acknowledged_by TEXT NOT NULL DEFAULT '', acknowledged_at INTEGER,
+    UNIQUE (robot, what, begin)
+) STRICT"""
+_COLUMNS = "number, body, acknowledged_by, acknowledged_at"
+
+
+class SqliteAlarms(AlarmLog):
+    """The alarms of a robot in the file of its store."""
+
+    def __init__(
+        self, base: sqlite3.Connection, robot: str, errors: Callable[[], AbstractContextManager[None]]
+    ) -> None:
+        """``base``: the open file; ``errors``: what turns its errors into those of stores."""
+        self._base, self._robot, self._errors = base, robot, errors
+
+    def alarms(self, *, open_only: bool = False, most: int = MOST_ALARMS) -> list[dict[str, Any]]:
+        """Return alarms, the latest first."""
+        which = " AND ended IS NULL" if open_only else ""
+        query = f"SELECT {_COLUMNS} FROM alarm WHERE robot = ?{which} ORDER BY begin DESC, number DESC LIMIT ?"
+        with self._errors():
+            if not self._base.execute("SELECT count(*) FROM sqlite_schema WHERE name = 'alarm'").fetchone()[0]:
+                return []
+            return [_alarm(row) for row in self._base.execute(query, (self._robot, most))]
+
+    def keep(self, alarms: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
+        """Keep alarms in place of what they were, all of them or none."""
+        kept = []
+        put = (
+            "INSERT INTO alarm (robot, what, begin, ended, body) VALUES (?, ?, ?, ?, ?) "
+            "ON CONFLICT (robot, what, begin) DO UPDATE SET ended = excluded.ended, body = excluded.body "
+            f"RETURNING {_COLUMNS}"
+        )
+        with self._errors():
+            self._base.execute("BEGIN IMMEDIATE")
+            try:
+                self._base.execute(_TABLE)
+                for one in alarms:
+                    values = self._robot, one["what"], one["begin"], one["end"], json.dumps(dict(one))
+                    kept.append(_alarm(self._base.execute(put, values).fetchone()))
+                oldest = "SELECT number FROM alarm WHERE robot = ? ORDER BY begin DESC, number DESC LIMIT -1 OFFSET ?"
+                self._base.execute(
+                    f"DELETE FROM alarm WHERE ended IS NOT NULL AND number IN ({oldest})",
+                    (self._robot, MOST_ALARMS),
+                )
+                self._base.execute("COMMIT")
+            except BaseException:
+                if self._base.in_transaction:
+                    self._base.execute("ROLLBACK")
+                raise
+        return kept
+
+    def acknowledge(self, number: int, by: str, time: int) -> bool:
+        """Note who has taken note of an alarm."""
+        if not any(one["number"] == number for one in self.alarms()):
+            return False
+        say = "UPDATE alarm SET acknowledged_by = ?, acknowledged_at = ? WHERE number = ? AND acknowledged_by = ''"
+        with self._errors():
+            self._base.execute(say, (by, time, number))
+        return True
+
+
+def _alarm(row: tuple[int, str, str, int | None]) -> dict[str, Any]:
+    number, body, by, at = row
+    return {**json.loads(body), "number": number, "acknowledged_by": by, "acknowledged_at": at}

@@ -1,0 +1,88 @@
+"""Alarms: the log of the robot that is watched, and whoever takes note of one."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Query
+from pydantic import Field
+
+from robophm.core.errors import RobophmError
+from robophm.core.signal import SECOND
+from robophm.health.limits import limits_of
+from robophm.web.routes.design import REFUSED
+from robophm.web.service import Served
+from robophm.web.shapes import Shape
+
+router = APIRouter(prefix="/api/alarms", tags=["alarms"])
+
+
+class LoggedAlarm(Shape):
+    """An alarm; times in seconds since the epoch, of the samples."""
+
+    number: int
+    what: str
+    path: str
+    severity: Literal["error", "warn"]
+    begin: float
+    end: float | None
+    """The time when it ended; null while it goes on."""
+    cause: str
+    doubt: str
+    """Why nobody knows at present whether it goes on; empty where that is known."""
+    ended_by: str
+    acknowledged_by: str
+    acknowledged_at: float | None
+
+
+class StatedLimit(Shape):
+    """A limit of the design, for what is drawn beside it."""
+
+    series: str
+    """Name of the series of the value that it limits."""
+    severity: Literal["error", "warn"]
+    limit: float
+
+
+class AlarmsOfRobot(Shape):
+    """The log of the robot's alarms, the latest first, and the limits that begin them."""
+
+    alarms: list[LoggedAlarm]
+    limits: list[StatedLimit]
+
+
+class Acknowledged(Shape):
+    """A person takes note of an alarm."""
+
+    number: Annotated[int, Field(ge=1, le=2**53)]
+    by: Annotated[str, Field(min_length=1, max_length=100)]
+
+
+@router.get("", responses=REFUSED)
+def get_alarms(service: Served, most: Annotated[int, Query(ge=1, le=10_000)] = 200) -> AlarmsOfRobot:
+    """The alarms that go on and those that ended, the latest first, and the limits of the design."""
+    run = service.monitoring.run
+    robot = run.robot if run else service.prepared().robot
+    with service.monitoring.alarm_log(robot) as log:
+        going_on = log.alarms(open_only=True)
+        alarms = [*going_on, *(one for one in log.alarms(most=most) if one["end"] is not None)]
+    limits = [StatedLimit(series=one.series, severity=one.severity, limit=one.level.limit) for one in limits_of(robot)]
+    return AlarmsOfRobot(alarms=[_alarm(one) for one in alarms], limits=limits)
+
+
+@router.post("/acknowledge", responses=REFUSED)
+def acknowledge(asked: Acknowledged, service: Served) -> AlarmsOfRobot:
+    """Take note of an alarm, by name; whoever did so first stays."""
+    run = service.monitoring.run
+    robot = run.robot if run else service.prepared().robot
+    with service.monitoring.alarm_log(robot) as log:
+        if not log.acknowledge(asked.number, asked.by.strip() or asked.by, time.time_ns()):
+            raise RobophmError(f"there is no alarm {asked.number}")
+    return get_alarms(service)
+
+
+def _alarm(one: Mapping[str, Any]) -> LoggedAlarm:
+    times = {name: None if one[name] is None else one[name] / SECOND for name in ("begin", "end", "acknowledged_at")}
+    return LoggedAlarm(**{**one, **times})

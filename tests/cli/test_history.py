@@ -1,0 +1,93 @@
+"""The history of a robot on the command line: curves, events, the report as it was."""
+
+import json
+import re
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+
+import robophm
+from robophm.core.signal import SECOND
+from robophm.monitoring.replay import replay
+from robophm.stores.events import Event
+from robophm.transports.recordings.recording import Recording
+
+
+@pytest.fixture
+def past(design, recording, tmp_path):
+    """A store of the robot after a recording, with a restart in it."""
+    robot = robophm.load(design)
+    with robophm.open_store(tmp_path / "past.db") as store, Recording(recording) as source:
+        replay(robot, source, store=store, report_every=90)
+        reports = list(store.history(robot.identity).reports())
+        restart = Event(reports[1]["time"] + 1, "restart", "", "begun again")
+        store.save(robot.identity, store.ledger(robot.identity), (), (), [restart])
+    return reports
+
+
+def moment(time):
+    return datetime.fromtimestamp(time // SECOND, UTC).strftime("%Y-%m-%dT%H:%M:%S")
+
+
+def test_figures_are_those_of_the_reports(inside, design, past):
+    done = inside("history", design, "--store", "past.db", "--json")
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout)
+    assert said["times"] == [one["time"] for one in past]
+    for view in ("nominal", "sensor_based"):
+        rates = [one["subjects"][0][view]["hazard_rate"] for one in past]
+        np.testing.assert_allclose(said["figures"][f"hazard_rate.{view}"]["mean"], rates, rtol=1e-7)
+        lives = [one["subjects"][0][view]["remaining_life"]["median"] for one in past]
+        np.testing.assert_allclose(said["figures"][f"remaining_life.{view}"]["mean"], lives, rtol=1e-7)
+    assert "restart" in [event["kind"] for event in said["events"]]
+    shorter = inside("history", design, "--store", "past.db", "--json", "--from", moment(past[2]["time"] + SECOND))
+    assert json.loads(shorter.stdout)["times"] == [one["time"] for one in past[3:]]
+    assert "restart" not in shorter.stdout
+
+
+def test_in_words_and_as_a_page(inside, design, past, tmp_path):
+    done = inside("history", design, "--store", "past.db", "--plot", "history.html", "--points", "4")
+    assert done.returncode == 0, done.stderr
+    assert re.search(r"λ \[1/h\] +sensor-based", done.stdout)
+    assert "begun again" in done.stdout
+    page = (tmp_path / "history.html").read_text()
+    assert "Probability of having failed since new" in page
+    assert "begun again" in page
+    assert "<script" not in page
+
+
+def test_the_report_as_it_was_then_says_how_old_it_is(inside, design, past):
+    asked = past[1]["time"] // SECOND * SECOND + 30 * SECOND
+    said = json.loads(inside("history", design, "--store", "past.db", "--at", moment(asked), "--json").stdout)
+    assert said["report"] == past[1]
+    assert said["hours_before"] == pytest.approx((asked - past[1]["time"]) / SECOND / 3600)
+    done = inside("history", design, "--store", "past.db", "--at", moment(asked))
+    assert " before)" in done.stdout
+    early = inside("history", design, "--store", "past.db", "--at", "2001-01-01")
+    assert "(the first, " in early.stdout
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (("--store", "none.db"), "none.db: no such store"),
+        (("--store", "past.db", "--from", "yesterday"), "--from 'yesterday': expected a date and time"),
+        (("--store", "past.db", "--from", "2026-01-02", "--to", "2026-01-01"), "expected a time after"),
+        (("--store", "past.db", "--at", "2026-01-02", "--to", "2026-01-01"), "--at is one time"),
+        (("--store", "past.db", "--plot", "past.db"), "past.db"),
+    ],
+)
+def test_a_mistake_is_one_line(inside, design, past, options, says):
+    done = inside("history", design, *options)
+    assert done.returncode == 3
+    assert says in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+
+
+def test_another_robot_is_not_taken_for_it(inside, past, tmp_path):
+    other = tmp_path / "other.yaml"
+    other.write_text("schema_version: 1\nname: other\ncomponents: {motor: {rate: 8 FPMH}}\n")
+    done = inside("history", other, "--store", "past.db")
+    assert done.returncode == 3
+    assert "knows no robot 'other'" in done.stderr

@@ -1,0 +1,91 @@
+import type { ReactNode } from "react";
+import { type Alarm, useAlarms } from "../lib/alarms";
+import { post } from "../lib/api";
+import { useHealth } from "../lib/health";
+import { prefer, preferences, sayError, useShared } from "../lib/store";
+import { momentText } from "../lib/words";
+import { Text } from "../parts/Field";
+import { Icon, ICONS } from "../parts/Icon";
+
+export const page = { name: "Alarms", icon: ICONS.bell, order: 55 };
+
+export default function Alarms(): ReactNode {
+  const { health } = useHealth();
+  const [found, setFound] = useAlarms();
+  const { name } = useShared(preferences);
+  const going = found?.alarms.filter((one) => one.end == null) ?? [];
+  const ended = found?.alarms.filter((one) => one.end != null) ?? [];
+
+  async function acknowledge(one: Alarm): Promise<void> {
+    try {
+      setFound(await post("/api/alarms/acknowledge", { number: one.number, by: name.trim() }));
+    } catch (error) {
+      sayError(error);
+    }
+  }
+
+  return (
+    <>
+      <div className="head">
+        <h1>Alarms</h1>
+        <span className="quiet small">{found && (`${going.length || "none"} active`)}</span>
+      </div>
+      {health && !health.limits_set && (
+        <p>
+          No limits are set, so no figure can begin an alarm. <a href="#/settings">Set limits</a> of the robot, or of parts and signals in the design's text.
+        </p>
+      )}
+      {health && health.monitoring !== "running" && <p className="quiet">The robot is not watched: alarms neither begin nor end meanwhile.</p>}
+      {found && (
+        <section className="card">
+          <div className="row">
+            <h2>Active</h2>
+            <span className="grow" />
+            {going.length > 0 && <Text label="Acknowledge as" placeholder="your name" value={name} set={(said) => prefer({ name: said })} />}
+          </div>
+          <Log alarms={going} none="None at present." label="Active alarms" acknowledge={name.trim() ? (one) => void acknowledge(one) : null} />
+        </section>
+      )}
+      {ended.length > 0 && (
+        <section className="card" style={{ marginTop: 16 }}>
+          <h2>Cleared</h2>
+          <Log alarms={ended} none="" label="Cleared alarms" />
+        </section>
+      )}
+    </>
+  );
+}
+
+function Log({ alarms, none, label, acknowledge }: { alarms: Alarm[]; none: string; label: string; acknowledge?: ((one: Alarm) => void) | null }): ReactNode {
+  if (!alarms.length) return <p className="quiet">{none}</p>;
+  return (
+    <ul className="alarms" aria-label={label}>
+      {alarms.map((one) => (
+        <li key={one.number}>
+          <span className={`state ${one.severity}`}>
+            <Icon name={one.severity} /> {one.severity.toUpperCase()}
+          </span>
+          <div className="grow">
+            <strong>{one.cause}</strong>
+            {one.doubt && one.end == null && <p className="small">Not known whether it is still so: it {one.doubt}.</p>}
+            <p className="small quiet">
+              since {momentText(one.begin)}
+              {one.end != null && `, until ${momentText(one.end)}: ${one.ended_by}`}
+            </p>
+          </div>
+          {one.acknowledged_by ? (
+            <span className="small quiet" title={momentText(one.acknowledged_at)}>
+              acknowledged by {one.acknowledged_by}
+            </span>
+          ) : (
+            acknowledge !== undefined && (
+              <button disabled={!acknowledge} title={acknowledge ? undefined : "Say who you are first"} onClick={() => acknowledge?.(one)} aria-label={`Acknowledge alarm ${one.number}`}>
+                Acknowledge
+              </button>
+            )
+          )}
+        </li>
+      ))}
+    </ul>
+  );
+}

@@ -1,0 +1,236 @@
+import { type ReactNode, useEffect, useMemo, useState } from "react";
+import { get, type Shapes } from "../lib/api";
+import { pulse } from "../lib/live";
+import { useDesign, useShared, useUnit } from "../lib/store";
+import { durationText, momentText, moreText, numberText, RATE_UNITS, rateText, type RateUnit } from "../lib/words";
+import { ICONS } from "../parts/Icon";
+import { type Curve, Plot } from "../parts/Plot";
+import { Table } from "../parts/Table";
+
+export const page = { name: "History", icon: ICONS.stale, order: 55 };
+
+type Past = Shapes["History"];
+type Span = [from: number, to: number] | null;
+
+const DAY = 86400;
+const SPANS: [string, number][] = [["1 hour", 3600], ["1 day", DAY], ["1 week", 7 * DAY], ["1 month", 30 * DAY], ["1 year", 365 * DAY]];
+const VIEWS = [["nominal", "nominal"], ["sensor_based", "sensor-based"]] as const;
+const LISTED = 100;
+
+export default function History(): ReactNode {
+  const design = useDesign();
+  const unit = useUnit();
+  const { monitoring } = useShared(pulse);
+  const [span, setSpan] = useState<Span>(null);
+  const [past, setPast] = useState<Past | null>(null);
+  const [at, setAt] = useState<number | null>(null);
+  const [wrong, setWrong] = useState("");
+  const [asked, setAsked] = useState(0);
+  useEffect(() => {
+    const ends = new AbortController();
+    get("/api/history", { start: span?.[0], end: span?.[1], points: 800 }, ends.signal)
+      .then((found) => {
+        setPast(found);
+        setWrong("");
+      })
+      .catch((error: Error) => ends.signal.aborted || setWrong(error.message));
+    return () => ends.abort();
+  }, [span, asked, monitoring]);
+  const marks = useMemo(() => past?.events.map((one) => one.time), [past]);
+  const plots = useMemo(() => (past ? drawn(past, unit) : []), [past, unit]);
+  if (!design) return null;
+  if (!past || past.first == null || past.last == null)
+    return (
+      <>
+        <h1>History</h1>
+        {wrong ? <p className="trouble">{wrong}</p> : past ? <p>There is no past yet: a report is kept every minute while the robot is watched.</p> : <p className="quiet">Loading…</p>}
+      </>
+    );
+  const [first, last] = [past.first, past.last];
+  const [from, to] = span ?? [first, last + 1];
+  const look = (long: number): void => {
+    const begin = Math.min(Math.max((at ?? to) - long / 2, first), last + 1 - long);
+    setSpan(long >= last - first ? null : [begin, begin + long]);
+  };
+  const move = (share: number): void => setSpan([from + share * (to - from), to + share * (to - from)]);
+  return (
+    <>
+      <div className="head">
+        <h1>History</h1>
+        <span className="grow" />
+        <span className="quiet small">
+          {momentText(first)} to {momentText(last)}
+        </span>
+      </div>
+      {wrong && <p className="trouble">{wrong}</p>}
+      <div className="row" style={{ marginBottom: 12 }}>
+        <button aria-pressed={!span} onClick={() => setSpan(null)}>
+          All
+        </button>
+        {SPANS.map(([words, long]) => (
+          <button key={words} onClick={() => look(long)}>
+            {words}
+          </button>
+        ))}
+        <button disabled={from <= first} onClick={() => move(-0.5)}>
+          Earlier
+        </button>
+        <button disabled={to >= last + 1} onClick={() => move(0.5)}>
+          Later
+        </button>
+        <button onClick={() => setAsked(asked + 1)}>Refresh</button>
+        <span className="quiet small">
+          {past.times.length
+            ? `${momentText(from)} to ${momentText(to)}, ${past.width ? `each point ${durationText(past.width / 3600)}` : "each point one report"}. Drag across a plot to zoom, click to see the report of then.`
+            : "No report is kept of this time."}
+        </span>
+      </div>
+      <label className="row small">
+        Look at
+        <input
+          type="range"
+          className="grow"
+          min={from}
+          max={to}
+          step={Math.max((to - from) / 1000, 1)}
+          value={at ?? to}
+          aria-valuetext={momentText(at ?? to)}
+          onChange={(event) => setAt(Number(event.target.value))}
+        />
+        <span style={{ minWidth: 190 }}>{momentText(at ?? to)}</span>
+      </label>
+      <div className="two">
+        {plots.map((one) => (
+          <Plot key={one.title} {...one} xLabel="time, UTC" time marks={marks} at={at} zoomTo={(low, high) => setSpan([low, high])} pick={setAt} empty="Not known of this time." />
+        ))}
+      </div>
+      <Then at={at ?? to} unit={unit} />
+      <Events past={past} look={setAt} />
+    </>
+  );
+}
+
+/** What is plotted: the means of both views, and how far the sensor-based one went where a point is of more than one report. */
+function drawn(past: Past, unit: RateUnit): { title: string; yLabel: string; curves: Curve[] }[] {
+  const hours = [
+    ["hazard_rate", "Hazard rate", `λ [${unit}] of operation`, RATE_UNITS[unit].factor],
+    ["unreliability", "Probability of having failed since new", "1 − R", 1],
+    ["remaining_life", "Remaining life", "median [h] of calendar time", 1],
+    ["task_failure", "Probability of failing the task", "1 − PoTC, given that it works then", 1],
+  ] as const;
+  const middle = past.times.map((time) => time + past.width / 2);
+  const x = broken(past, middle, (i) => (middle[i - 1]! + middle[i]!) / 2);
+  const curve = (name: string, values: (number | null)[], factor: number, more: Partial<Curve>): Curve => ({
+    name,
+    x,
+    y: broken(past, values.map((one) => one && one * factor), () => null),
+    ...more,
+  });
+  const found = hours.map(([figure, title, yLabel, factor]) => {
+    const means = VIEWS.flatMap(([view, words], i) => {
+      const values = past.figures[`${figure}.${view}`]?.mean;
+      return values?.some((one) => one != null) ? [curve(words, values, factor, { dashed: i === 1, color: i })] : [];
+    });
+    const lived = past.width ? past.figures[`${figure}.sensor_based`] : undefined;
+    const ends = lived && means.length ? [curve("sensor-based, lowest", lived.low, factor, { color: 2 }), curve("highest", lived.high, factor, { color: 3 })] : [];
+    return { title, yLabel, curves: [...ends, ...means] }; // what is drawn last is on top
+  });
+  const of = (name: string, part: "mean" | "high"): Curve[] => {
+    const values = past.figures[name]?.[part];
+    return values?.some((one) => one != null) ? [curve(part === "high" ? "worst" : "since the start", values, 1, {})] : [];
+  };
+  const rest = [
+    { title: "Hours of operation", yLabel: "[h]", curves: of("operating", "mean") },
+    { title: "State", yLabel: "0 ok, 1 warning, 2 stale, 3 error", curves: of("state", "high") },
+  ];
+  return [...found, ...rest].filter((one) => one.curves.length);
+}
+
+/** Values with one more before each break, so that no line crosses it. */
+function broken<T>(past: Past, values: T[], between: (place: number) => T): T[] {
+  if (!past.breaks.length) return values;
+  const before = new Set(past.breaks);
+  return values.flatMap((value, i) => (before.has(i) ? [between(i), value] : [value]));
+}
+
+/** The robot's report as it was at a time, and how far from it that is. */
+function Then({ at, unit }: { at: number; unit: RateUnit }): ReactNode {
+  const [found, setFound] = useState<Shapes["PastReport"] | null>(null);
+  useEffect(() => {
+    const ends = new AbortController();
+    const later = setTimeout(() => {
+      get("/api/history/report", { time: at }, ends.signal)
+        .then(setFound)
+        .catch(() => ends.signal.aborted || setFound(null));
+    }, 150); // a slider that is drawn asks once
+    return () => {
+      clearTimeout(later);
+      ends.abort();
+    };
+  }, [at]);
+  if (!found) return null;
+  const report = found.report as unknown as Report;
+  const age = found.hours_before < 0 ? `the first that is kept, ${durationText(-found.hours_before)} later` : `${durationText(found.hours_before)} before`;
+  return (
+    <section className="card" aria-label="The robot as it was">
+      <h2>
+        As it was, {momentText(found.time)} <span className="quiet small">{age}</span>
+      </h2>
+      <p>
+        State: <b>{report.state}</b>
+        {[...(report.breaches ?? []), ...(report.warnings ?? [])].map((words) => (
+          <span key={words}>; {words}</span>
+        ))}
+      </p>
+      <Table label="Figures of then" columns={["", ["λ nominal", "number"], ["λ sensor-based", "number"], ["1 − R nominal", "number"], ["1 − R sensor-based", "number"], "Flags"]}>
+        {report.subjects?.map((one) => (
+          <tr key={`${one.kind} ${one.path}`}>
+            <th scope="row">{one.path}</th>
+            <td className="number">{rateText(one.nominal.hazard_rate, unit)}</td>
+            <td className="number">{rateText(one.sensor_based.hazard_rate, unit)}</td>
+            <td className="number">{numberText(one.nominal.unreliability)}</td>
+            <td className="number">{numberText(one.sensor_based.unreliability)}</td>
+            <td>{one.flags.join(", ") || "–"}</td>
+          </tr>
+        ))}
+      </Table>
+    </section>
+  );
+}
+
+/** As far as it is shown here, a report as it is kept. */
+interface Report {
+  state: string;
+  breaches?: string[];
+  warnings?: string[];
+  subjects?: { kind: string; path: string; flags: string[]; nominal: Figures; sensor_based: Figures }[];
+}
+interface Figures {
+  hazard_rate: number;
+  unreliability: number;
+}
+
+function Events({ past, look }: { past: Past; look: (time: number) => void }): ReactNode {
+  const listed = past.events.slice(-LISTED).reverse();
+  return (
+    <section className="card" aria-label="Events">
+      <h2>Events</h2>
+      {listed.length ? (
+        <Table label="Events, the latest first" columns={["Time", "What", ""]}>
+          {listed.map((one) => (
+            <tr key={`${one.time} ${one.kind} ${one.subject}`}>
+              <td>
+                <button onClick={() => look(one.time)}>{momentText(one.time)}</button>
+              </td>
+              <td>{one.kind}</td>
+              <td>{one.said}</td>
+            </tr>
+          ))}
+        </Table>
+      ) : (
+        <p className="quiet">None is known of this time.</p>
+      )}
+      {past.events.length > LISTED && <p className="small quiet">{moreText(past.events.length - LISTED)}</p>}
+    </section>
+  );
+}
