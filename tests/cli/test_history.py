@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from datetime import UTC, datetime
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 import robophm
 from robophm.core.signal import SECOND
+from robophm.health.alarms import Alarm
 from robophm.monitoring.replay import replay
 from robophm.stores.events import Event
 from robophm.transports.recordings.recording import Recording
@@ -66,6 +68,24 @@ def test_the_report_as_it_was_then_says_how_old_it_is(inside, design, past):
     assert " before)" in done.stdout
     early = inside("history", design, "--store", "past.db", "--at", "2001-01-01")
     assert "(the first, " in early.stdout
+
+
+def test_alarms_of_the_log_are_told_once_each_with_begin_and_end(inside, design, past, tmp_path):
+    begin, end = past[1]["time"] + 5, past[2]["time"] + 5
+    alarm = Alarm("motor hot", "motor", "warn", begin, "motor is above 40 °C")
+    with robophm.open_store(tmp_path / "past.db") as store:
+        log = store.alarm_log(robophm.load(design).identity)
+        for one in (alarm, replace(alarm, end=end, ended_by="motor is below 33 °C")):
+            log.keep([one.to_json()])
+    done = inside("history", design, "--store", "past.db", "--json")
+    told = [one for one in json.loads(done.stdout)["events"] if "alarm" in one["kind"]]
+    assert [(one["time"], one["kind"], one["subject"], one["said"]) for one in told] == [
+        (begin, "alarm", "motor hot", "motor is above 40 °C"),
+        (end, "alarm ended", "motor hot", "motor is below 33 °C"),
+    ]
+    done = inside("history", design, "--store", "past.db", "--to", moment(end))
+    assert re.search(r"alarm +motor is above 40 °C", done.stdout)
+    assert "alarm ended" not in done.stdout
 
 
 @pytest.mark.parametrize(

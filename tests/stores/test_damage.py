@@ -16,6 +16,8 @@ from robophm.stores.events import Event
 from robophm.stores.sqlite import SqliteStore
 from robophm.stores.store import Progress
 
+from .test_alarm_log import alarm
+
 ROBOTS = ("R", "Rover 2")
 
 
@@ -142,3 +144,30 @@ def test_a_damaged_store_without_a_good_state_is_refused(sound: Path, tmp_path: 
     assert {robot: some[:3] for robot, some in content(path).items()} == {
         robot: some[:3] for robot, some in content(sound).items()
     }
+
+
+def test_the_alarms_that_can_be_read_are_carried_over(sound: Path, tmp_path: Path) -> None:
+    path = tmp_path / "past.db"
+    shutil.copy(sound, path)
+    with SqliteStore(path) as store:
+        for robot in ROBOTS:
+            log = store.alarm_log(robot)
+            kept = log.keep([alarm("hot", 1), alarm("cold", 2, 9, ended_by="warm"), alarm("loud", 3)])
+            log.acknowledge(kept[1]["number"], "Ada", 77)
+    assert restore_store(path) is None
+    with SqliteStore(path) as store:
+        before = {robot: store.alarm_log(robot).alarms() for robot in ROBOTS}
+    raw = path.read_bytes()
+    place = raw.index(b'{"what": "loud"')  # whichever robot's it is
+    path.write_bytes(raw[:place] + b"\xff" + raw[place + 1 :])
+    done = restore_store(path)
+    assert done
+    assert done.said == ("what is damaged of its history is lost",)
+    assert restore_store(path) is None  # it is sound, the levels of its figures too
+    with SqliteStore(path) as store:
+        after = {robot: store.alarm_log(robot).alarms() for robot in ROBOTS}
+        (more,) = store.alarm_log("R").keep([alarm("late", 4)])
+    assert sum(map(len, after.values())) == 5
+    lost = [one for robot in ROBOTS for one in before[robot] if one not in after[robot]]
+    assert [one["what"] for one in lost] == ["loud"]
+    assert more["number"] > max(one["number"] for robot in ROBOTS for one in after[robot])

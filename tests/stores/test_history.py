@@ -8,6 +8,7 @@ import random
 import sqlite3
 from collections.abc import Iterator, Sequence
 from contextlib import closing
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +17,13 @@ import pytest
 
 from robophm.core.errors import RobophmError, StoreError
 from robophm.stores import open_store, stores
+from robophm.stores.alarm_log import AlarmsInMemory
 from robophm.stores.events import Event
 from robophm.stores.figures import FIGURES, STATES, FigureSeries
 from robophm.stores.sqlite import SqliteStore
 from robophm.stores.store import Store
+
+from .test_alarm_log import alarm
 
 SECOND = 10**9
 MINUTE, HOUR, DAY = 60 * SECOND, 3600 * SECOND, 86_400 * SECOND
@@ -226,6 +230,40 @@ def test_events_are_told_from_what_changes_and_are_kept_for_ever(store: Store) -
     assert store.history("R").events()[0].said == "hazard rate 2e-05 /h is above 1e-05 /h"
     assert [event.time for event in store.history("R").events(BEGIN + 1, BEGIN + 3)] == [BEGIN + 1, BEGIN + 2]
     assert [event.time for event in store.history("R").events(end=BEGIN + 6, most=2)] == [BEGIN + 4, BEGIN + 5]
+    assert store.history("S").events() == []
+
+
+def test_alarms_of_the_log_are_among_the_events(store: Store) -> None:
+    draw = random.Random(8)
+    store.save(
+        "R", {}, (), [report(BEGIN)], [Event(draw.randrange(100), "restart", str(i), "begun") for i in range(40)]
+    )
+    log = store.alarm_log("R")
+    log.keep([
+        alarm(f"hot {i}", begin, draw.choice([None, begin, begin + draw.randrange(50)]), cause=f"λ {i}", ended_by="ok")
+        for i in range(60) for begin in [draw.randrange(100)]
+    ])  # fmt: skip
+    every = [(e.time, e.kind, e.subject, e.said) for e in store.history("R").events() if e.kind == "restart"]
+    assert len(every) == 40
+    for one in log.alarms():
+        every.append((one["begin"], "alarm", one["what"], one["cause"]))
+        if one["end"] is not None:
+            every.append((one["end"], "alarm ended", one["what"], "ok"))
+    every.sort()
+    windows = [(None, None), (20, None), (None, 70), (20, 70), (5, 6)]
+    for (start, end), most in product(windows, (0, 1, 2, 9, 40, 500)):
+        inside = []
+        for one in every:
+            if (start is None or one[0] >= start) and (end is None or one[0] < end):
+                inside.append(one)
+        while len(inside) > most:
+            del inside[0]
+        assert [tuple(event) for event in store.history("R").events(start, end, most)] == inside
+    beside = AlarmsInMemory()
+    beside.keep(log.alarms())
+    assert beside.events(20, 70, 9) == log.events(20, 70, 9)
+    log.acknowledge(3, "Ada", 77)
+    assert [tuple(event) for event in store.history("R").events()] == every
     assert store.history("S").events() == []
 
 

@@ -31,23 +31,25 @@ def lived(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
         yield served
 
 
-def fill(design: Path, path: Path) -> None:
+def fill(
+    design: Path, path: Path, begin: int = BEGIN, count: int = COUNT, off: range = range(100 * 24, 110 * 24)
+) -> None:
     """Keep reports whose sensor-based hazard rate is their number, in a breach from the 200th to the 210th day."""
     robot = load(design)
     monitor = Monitor(robot)
     report = monitor.report(remaining_life="robot").to_json(failures_to_come=False)
     whole, rest = report["subjects"][0], report["subjects"][1:]
     reports = []
-    for hour in range(COUNT):
-        if 100 * 24 <= hour < 110 * 24:
+    for hour in range(count):
+        if hour in off:
             continue
         told = ["hazard rate 2 /h is above 1 /h"] if 200 * 24 <= hour < 210 * 24 else []
         moved = {**whole, "sensor_based": {**whole["sensor_based"], "hazard_rate": float(hour)}, "breaches": told}
         state = "error" if told else "ok"
-        one = {"time": BEGIN + hour * DAY // 24, "subjects": [moved, *rest], "state": state, "breaches": told}
+        one = {"time": begin + hour * DAY // 24, "subjects": [moved, *rest], "state": state, "breaches": told}
         reports.append({**report, **one})
     with SqliteStore(path) as store:
-        restart = Event(BEGIN + 110 * DAY, "restart", "", "watching began again")
+        restart = Event(begin + 110 * DAY, "restart", "", "watching began again")
         store.save(robot.identity, monitor.ledger.to_json(), (), reports, [restart])
 
 
@@ -83,9 +85,25 @@ def test_the_report_of_then(lived: Served) -> None:
     assert lived.get("/api/history/report", time=0)["hours_before"] < 0
 
 
+def test_trends_of_a_day_and_a_month(lived: Served) -> None:
+    found = lived.get("/api/history/trends")
+    assert found["until"] == BEGIN / SECOND + (COUNT - 1) * 3600
+    assert found["times"] == [found["until"] - 3600 * before for before in range(24, -1, -1)]
+    rate = found["figures"]["hazard_rate"]
+    assert rate["course"] == [*range(COUNT - 25, COUNT)]
+    assert rate["day"] == pytest.approx(24 / (COUNT - 25), rel=1e-12)
+    assert rate["month"] == pytest.approx(720 / (COUNT - 721), rel=1e-12)
+    for figure in ("reliability", "remaining_life", "completion"):
+        assert (found["figures"][figure]["day"], found["figures"][figure]["month"]) == (0, 0)
+    whole = lived.get("/api/history/report", time=9e9)["report"]["subjects"][0]["sensor_based"]
+    assert found["figures"]["completion"]["course"] == pytest.approx([whole["completion"]["failure"]] * 25, rel=1e-6)
+    assert found["figures"]["remaining_life"]["course"][0] == pytest.approx(whole["remaining_life"]["median"], rel=1e-6)
+
+
 def test_without_a_past_there_is_none(shared_small: Served) -> None:
     found = shared_small.get("/api/history")
     assert (found["first"], found["times"], found["figures"]) == (None, [], {})
+    assert shared_small.get("/api/history/trends") == {"until": None, "times": [], "breaks": [], "figures": {}}
     assert shared_small.client.get("/api/history/report", params={"time": 0}).status_code == 404
 
 

@@ -15,6 +15,7 @@ from robophm.core.files import sync_folder, write_atomically
 from robophm.stores._checked_rows import CheckedTable
 from robophm.stores._tables import EVENT, LEDGER, PROGRESS, REPORT, TABLES, make_tables
 from robophm.stores.pyramid import Pyramid
+from robophm.stores.sqlite_alarms import alarms_are_sound, carry_over
 from robophm.stores.store import Restored
 
 KEEP_EVERY = 3600.0
@@ -85,6 +86,7 @@ def _write(path: Path, found: Mapping[str, Rows], damaged: sqlite3.Connection) -
             for table in (REPORT, EVENT):
                 table.put(base, robot, _sound_rows(table, damaged, robot))
             Pyramid(base).take_rows(robot, Pyramid(damaged).sound_rows(robot))
+        carry_over(damaged, base)
         base.execute("COMMIT")
 
 
@@ -98,9 +100,9 @@ def _is_sound(base: sqlite3.Connection) -> bool:
                 for _ in table.rows(base, robot):
                     pass
             Pyramid(base).check(robot)
+        return alarms_are_sound(base)
     except (sqlite3.Error, StoreError, ValueError):
         return False
-    return True
 
 
 def _sound(base: sqlite3.Connection, robot: str) -> Rows:

@@ -7,6 +7,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from robophm.stores.events import Event, events_of_alarms, latest_events
+
 MOST_ALARMS = 10_000
 """The most alarms that are kept of a robot; of more the oldest that have ended are forgotten."""
 
@@ -37,6 +39,13 @@ class AlarmLog(ABC):
 
         Who did it first stays. Raises StoreError.
         """
+
+    def events(self, start: int, end: int, most: int) -> list[Event]:
+        """Return the begins and ends from a time until before another [ns], oldest first: so many, the latest.
+
+        Raises StoreError where they cannot be read.
+        """
+        return latest_events(events_of_alarms(self.alarms()), start, end, most)
 
 
 class AlarmsInMemory(AlarmLog):

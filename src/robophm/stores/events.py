@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from datetime import UTC, datetime
 from itertools import takewhile
 from typing import Any, Literal, NamedTuple
 
 Kind = Literal[
-    "breach", "breach ended", "silence", "silence ended", "replacement", "repair", "design change", "restart", "alarm"
+    "breach",
+    "breach ended",
+    "silence",
+    "silence ended",
+    "replacement",
+    "repair",
+    "design change",
+    "restart",
+    "alarm",
+    "alarm ended",
 ]
 
 _STALE = "stale "
@@ -21,7 +30,7 @@ class Event(NamedTuple):
     """When [ns since the epoch]; of a breach or a silence the report that was the first to tell of it."""
     kind: Kind
     subject: str
-    """Subject of the event: a figure of a module, a signal, a failure mode, a part; "" the robot."""
+    """Subject of the event: a figure of a module, a signal, a failure mode, a part, an alarm; "" the robot."""
     said: str
     """Words for people."""
 
@@ -54,6 +63,19 @@ def events_of(ledger: Mapping[str, Any]) -> Iterator[Event]:
         yield Event(time, done, mode, f"{mode} {kind}{' after it had failed' if failed else ''}")
     for time, part, kind, before in ledger.get("changes", ()):
         yield Event(time, "design change", part, f"{part}: {kind}{f', before {before}' if before else ''}")
+
+
+def events_of_alarms(alarms: Iterable[Mapping[str, Any]]) -> Iterator[Event]:
+    """Yield the begin of each alarm of a log, and its end where it has ended."""
+    for one in alarms:
+        yield Event(one["begin"], "alarm", one["what"], one["cause"])
+        if one["end"] is not None:
+            yield Event(one["end"], "alarm ended", one["what"], one["ended_by"])
+
+
+def latest_events(events: Iterable[Event], start: int, end: int, most: int) -> list[Event]:
+    """Return those of some events from a time until before another [ns], oldest first: so many, the latest."""
+    return sorted((one for one in events if start <= one.time < end), reverse=True)[:most][::-1]
 
 
 def _breaches(report: Mapping[str, Any]) -> dict[str, str]:

@@ -23,12 +23,10 @@ class KeptEvents:
         """Forget the events after a time [ns]."""
         EVENT.drop(self._base, robot, "time > ?", last)
 
-    def between(self, robot: str, start: int | None, end: int | None, most: int) -> list[Event]:
-        """Return the events from a time until before another [ns], None being open: the latest, oldest first.
+    def between(self, robot: str, start: int, end: int, most: int) -> list[Event]:
+        """Return the events from a time until before another [ns]: the latest, oldest first.
 
         Raises StoreError where one is damaged.
         """
-        first = -(2**63) if start is None else start
-        last = 2**63 - 1 if end is None else end
         tail = "AND time >= ? AND time < ? ORDER BY time DESC, kind DESC, subject DESC LIMIT ?"
-        return [Event(*row) for row in EVENT.rows(self._base, robot, tail, first, last, most)][::-1]
+        return [Event(*row) for row in EVENT.rows(self._base, robot, tail, start, end, most)][::-1]

@@ -9,7 +9,8 @@ from itertools import chain, pairwise
 from typing import Any
 
 from robophm.core.argument_checks import number
-from robophm.stores.events import Event, events_between, events_of
+from robophm.stores.alarm_log import AlarmLog
+from robophm.stores.events import Event, events_between, events_of, latest_events
 from robophm.stores.figures import FigureSeries
 from robophm.stores.kept_events import KeptEvents
 from robophm.stores.kept_reports import KeptReports
@@ -53,9 +54,11 @@ class KeptHistory:
 class HistoryOf(History):
     """The history of one robot in a base."""
 
-    def __init__(self, kept: KeptHistory, robot: str, errors: Callable[[], AbstractContextManager[None]]) -> None:
-        """``errors``: what turns those of the base into those of stores."""
-        self._kept, self._robot, self._errors = kept, robot, errors
+    def __init__(
+        self, kept: KeptHistory, robot: str, alarms: AlarmLog, errors: Callable[[], AbstractContextManager[None]]
+    ) -> None:
+        """``alarms``: the robot's log; ``errors``: what turns those of the base into those of stores."""
+        self._kept, self._robot, self._alarms, self._errors = kept, robot, alarms, errors
 
     def reports(self) -> Iterator[Mapping[str, Any]]:
         """Yield the reports that are kept whole, oldest first."""
@@ -75,5 +78,8 @@ class HistoryOf(History):
 
     def events(self, start: int | None = None, end: int | None = None, most: int = MOST_EVENTS) -> list[Event]:
         """Return the events from a time until before another [ns], oldest first; the latest where there are more."""
+        first = -(2**63) if start is None else start
+        last = 2**63 - 1 if end is None else end
         with self._errors():
-            return self._kept.events.between(self._robot, start, end, most)
+            kept = self._kept.events.between(self._robot, first, last, most)
+        return latest_events([*kept, *self._alarms.events(first, last, most)], first, last, most)

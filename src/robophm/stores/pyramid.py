@@ -11,7 +11,7 @@ import hashlib
 import operator
 import sqlite3
 import zlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from itertools import chain, count, islice, pairwise
 from typing import Any
@@ -101,7 +101,7 @@ class Pyramid:
         while some := list(islice(left, MOST_ROWS)):
             said = ((number, start, body) for start, body in some)
             self._base.executemany("INSERT OR REPLACE INTO figures VALUES (?, 0, ?, ?)", said)
-            self._raise(number, (start for start, _ in some))
+            self._raise(number, [start for start, _ in some])
         self._know_days(robot)
 
     def check(self, robot: str) -> None:
@@ -170,7 +170,7 @@ class Pyramid:
             ),
         )
 
-    def _raise(self, number: int, times: Iterable[int]) -> None:
+    def _raise(self, number: int, times: Collection[int]) -> None:
         """Work out anew the spans in which these times are, each from the level below."""
         for below, width in pairwise(WIDTHS):
             starts = sorted({time // width * width for time in times})

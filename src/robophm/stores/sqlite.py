@@ -118,7 +118,7 @@ class SqliteStore(Store):
 
     def history(self, robot: str) -> History:
         """Return what is kept of the robot's reports, of all its time."""
-        return HistoryOf(self._history, robot, self._errors)
+        return HistoryOf(self._history, robot, self.alarm_log(robot), self._errors)
 
     def save(
         self,

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import sqlite3
-from collections.abc import Callable, Iterable, Mapping
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager, suppress
 from typing import Any
 
 from robophm.stores.alarm_log import MOST_ALARMS, AlarmLog
+from robophm.stores.events import Event, events_of_alarms, latest_events
 
 _TABLE = """CREATE TABLE IF NOT EXISTS alarm (
     number INTEGER PRIMARY KEY AUTOINCREMENT, robot TEXT NOT NULL, what TEXT NOT NULL, begin INTEGER NOT NULL,
@@ -16,6 +17,7 @@ _TABLE = """CREATE TABLE IF NOT EXISTS alarm (
     UNIQUE (robot, what, begin)
 ) STRICT"""
 _COLUMNS = "number, body, acknowledged_by, acknowledged_at"
+_ALL_COLUMNS = "number, robot, what, begin, ended, acknowledged_by, acknowledged_at, body"
 
 
 class SqliteAlarms(AlarmLog):
@@ -29,12 +31,21 @@ class SqliteAlarms(AlarmLog):
 
     def alarms(self, *, open_only: bool = False, most: int = MOST_ALARMS) -> list[dict[str, Any]]:
         """Return alarms, the latest first."""
-        which = " AND ended IS NULL" if open_only else ""
-        query = f"SELECT {_COLUMNS} FROM alarm WHERE robot = ?{which} ORDER BY begin DESC, number DESC LIMIT ?"
+        return self._found(f"{'AND ended IS NULL' if open_only else ''} ORDER BY begin DESC, number DESC LIMIT ?", most)
+
+    def events(self, start: int, end: int, most: int) -> list[Event]:
+        """Return the begins and ends of a time, the latest; no other alarms than those of them are read."""
+        latest = """AND (begin >= ? AND begin < ? OR ended >= ? AND ended < ?)
+            ORDER BY iif(ended < ?, ended, begin) DESC, iif(ended < ?, 1, 0) DESC, what DESC LIMIT ?"""
+        found = self._found(latest, start, end, start, end, end, end, most)
+        return latest_events(events_of_alarms(found), start, end, most)
+
+    def _found(self, tail: str, *given: int) -> list[dict[str, Any]]:
         with self._errors():
             if not self._base.execute("SELECT count(*) FROM sqlite_schema WHERE name = 'alarm'").fetchone()[0]:
                 return []
-            return [_alarm(row) for row in self._base.execute(query, (self._robot, most))]
+            query = f"SELECT {_COLUMNS} FROM alarm WHERE robot = ? {tail}"
+            return [_alarm(row) for row in self._base.execute(query, (self._robot, *given))]
 
     def keep(self, alarms: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
         """Keep alarms in place of what they were, all of them or none."""
@@ -71,6 +82,39 @@ class SqliteAlarms(AlarmLog):
         with self._errors():
             self._base.execute(say, (by, time, number))
         return True
+
+
+def carry_over(damaged: sqlite3.Connection, base: sqlite3.Connection) -> None:
+    """Keep in a base, which has no alarms yet, those of a damaged one that can be read, with their numbers."""
+    base.execute(_TABLE)
+    for row in _readable(damaged):
+        with suppress(sqlite3.IntegrityError):
+            base.execute(f"INSERT INTO alarm ({_ALL_COLUMNS}) VALUES (?, ?, ?, ?, ?, ?, ?, ?)", row)
+
+
+def alarms_are_sound(base: sqlite3.Connection) -> bool:
+    """Whether all alarms that a base has can be read. Raises sqlite3.Error where it cannot be asked."""
+    if not base.execute("SELECT count(*) FROM sqlite_schema WHERE name = 'alarm'").fetchone()[0]:
+        return True
+    count: int = base.execute("SELECT count(*) FROM alarm").fetchone()[0]
+    return count == sum(1 for _ in _readable(base))
+
+
+def _readable(base: sqlite3.Connection) -> Iterator[tuple[Any, ...]]:
+    """The rows that say in both places what the alarm is, from both ends of the table as far as they can be reached."""
+    numbers: set[int] = set()
+    for order in ("ASC", "DESC"):
+        with suppress(sqlite3.Error):
+            for (number,) in base.execute(f"SELECT number FROM alarm ORDER BY number {order}"):
+                if number in numbers:
+                    break
+                numbers.add(number)
+    for number in sorted(numbers):
+        with suppress(sqlite3.Error, ValueError, TypeError, KeyError):
+            row = base.execute(f"SELECT {_ALL_COLUMNS} FROM alarm WHERE number = ?", (number,)).fetchone()
+            body = json.loads(row[-1])
+            if (body["what"], body["begin"], body["end"]) == row[2:5]:
+                yield row
 
 
 def _alarm(row: tuple[int, str, str, int | None]) -> dict[str, Any]:

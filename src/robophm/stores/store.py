@@ -72,7 +72,8 @@ class History(ABC):
     def events(self, start: int | None = None, end: int | None = None, most: int = MOST_EVENTS) -> list[Event]:
         """Return the events from a time until before another [ns], None being open, oldest first.
 
-        Where there are more than ``most`` of them, those are the latest.
+        The begins and ends of the alarms in the robot's log are among them. Where there are more than ``most``, those
+        are the latest.
         """
 
 

@@ -107,6 +107,15 @@ def test_an_alarm_is_seen_drawn_and_acknowledged(oven, visit, tmp_path):
     refused = oven.post("/api/alarms/acknowledge", {"number": 99, "by": "Ada"}, 422)
     assert refused["message"] == "there is no alarm 99"
 
+    told = [one for one in oven.get("/api/history")["events"] if "alarm" in one["kind"]]
+    assert {(one["time"], one["subject"], one["said"]) for one in told} == {
+        (one["begin"], one["what"], one["cause"]) for one in alarms.values()
+    }
+    page = look.open("history")
+    page.get_by_role("row").filter(has_text=silent["cause"]).get_by_role("button").click()
+    page.get_by_role("region", name="The robot as it was").wait_for()
+    assert look.wrong == []
+
     store = str(tmp_path / "past.db")
 
     code, text = ask(oven.design, store, "--acknowledge", str(hot["number"]), "--by", "Bob", "--json")

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+import time
 
 from robophm.core.signal import SECOND
 
-from ..test_history import BEGIN, lived
+from ..conftest import SMALL, serving
+from ..test_history import BEGIN, fill, lived
 
 __all__ = ["lived"]
 
@@ -47,3 +49,35 @@ def test_from_a_year_to_a_day_to_the_report_of_then(visit, lived):
     page.get_by_role("button", name="All", exact=True).click()
     page.get_by_text("each point 24 h").wait_for()
     assert look.wrong == []
+
+
+def test_cards_tell_what_has_changed_up_to_now_and_draw_no_line_where_nothing_was_known(visit, tmp_path):
+    design = tmp_path / "courier.yaml"
+    design.write_text(SMALL)
+    fill(design, tmp_path / "past.db", time.time_ns() - 40 * 3600 * SECOND, 41, off=range(25, 31))
+    with serving(design, seed=1, store=tmp_path / "past.db") as courier:
+        look, asked = visit(courier), list[str]()
+        look.page.on("request", lambda request: asked.append(request.url))
+        page = look.open("overview")
+        card = page.locator(".figure", has_text="Hazard rate")
+        card.get_by_text("since yesterday").wait_for()
+        card.get_by_text("↑ 150 %").wait_for()  # 16 by then, 40 now
+        assert page.get_by_text("since last month").count() == 0
+        page.locator(".figure", has_text="Remaining life").get_by_text("unchanged").wait_for()
+        course = card.get_by_role("img", name="Over 24 h between 16 /h and 40 /h")
+        assert course.locator("path").get_attribute("d").count("M") == 2
+        assert page.locator(".sparkline").count() == 4
+        assert look.serious() == []
+        look.open("history").get_by_text("each point").wait_for()
+        look.open("overview").get_by_text("since yesterday").first.wait_for()
+        assert sum("/api/history/trends" in url for url in asked) == 1
+
+
+def test_cards_of_a_past_that_is_over_do_not_speak_of_yesterday(visit, lived):
+    page = visit(lived).open("overview")
+    card = page.locator(".figure", has_text="Hazard rate")
+    card.get_by_text("in its last day").wait_for()
+    card.get_by_text("↑ 0.25 %").wait_for()
+    card.get_by_text("in its last month").wait_for()
+    card.get_by_text("↑ 8.1 %").wait_for()
+    assert page.get_by_text("since yesterday").count() == 0

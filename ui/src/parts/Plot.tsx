@@ -109,7 +109,7 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
             stroke: css(`--c${(one.color ?? i) % 6}`),
             width: curves.length > MANY ? 1 : 2,
             dash: one.dashed ? DASH : undefined,
-            points: { show: one.x.length < 2 },
+            points: { show: false, filter: (u: uPlot, i: number) => alone(u.data[i]!) },
           })),
         ],
         hooks: {
@@ -234,6 +234,21 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
       </div>
     </section>
   );
+}
+
+/** Places of the points that no line reaches, between two breaks or as the only one: each is a dot. */
+function alone(values: ArrayLike<number | null | undefined>): number[] {
+  const found: number[] = [];
+  let [last, long] = [0, 0]; // of the points in line so far
+  for (let i = 0; i <= values.length; i++) {
+    const value = values[i];
+    if (value === undefined && i < values.length) continue; // another curve has a point here
+    if (value == null) {
+      if (long === 1) found.push(last);
+      long = 0;
+    } else [last, long] = [i, long + 1];
+  }
+  return found;
 }
 
 /** What the curves are where the cursor is; the point before it, where a curve has none just there. */

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, HTTPException, Query
 from pydantic import Field
 
-from robophm.core.signal import HOUR, SECOND
+from robophm.core.signal import DAY, HOUR, SECOND
 from robophm.stores.figures import FIGURES, Array
 from robophm.stores.store import POINTS
+from robophm.stores.trend import trend
 from robophm.web.prepared_robot import finite
 from robophm.web.service import Served
 from robophm.web.shapes import Shape
@@ -21,6 +22,17 @@ MOST_EVENTS = 500
 
 MOST_POINTS = 2000
 """The most points of one answer."""
+
+Cards = Literal["hazard_rate", "reliability", "remaining_life", "completion"]
+
+MOST_IN_COURSE = 100
+"""The most points of a day's course."""
+
+COURSES: dict[Cards, str] = {
+    "hazard_rate": "hazard_rate", "reliability": "unreliability", "remaining_life": "remaining_life",
+    "completion": "task_failure",
+}  # fmt: skip
+"""Figures of the overview, and what is kept of each."""
 
 Moment = Annotated[float, Query(ge=-9e9, le=9e9)]
 """A time [s since the epoch]."""
@@ -74,6 +86,29 @@ class PastReport(Shape):
     report: dict[str, Any]
 
 
+class FigureTrend(Shape):
+    """The sensor-based course of a figure over the last day that is known, and what has changed."""
+
+    course: Values
+    """Means; of ``reliability`` and ``completion`` the complement, which keeps its digits."""
+    day: float | None
+    """Change since a day before, of a hazard rate as a share of it; null where the history does not tell."""
+    month: float | None
+    """The same since 30 days before."""
+
+
+class Trends(Shape):
+    """How the figures of the robot have changed, up to the newest report that is kept."""
+
+    until: float | None
+    """Time of the newest report [s since the epoch]; null where there is none."""
+    times: list[float]
+    """Times of the course's points [s since the epoch]."""
+    breaks: list[int]
+    """Places in ``times`` before which no report was for long: no line goes there."""
+    figures: dict[Cards, FigureTrend]
+
+
 @router.get("")
 def get_history(
     service: Served,
@@ -104,6 +139,31 @@ def get_history(
             for low, mean, high in (found.of(name),)
         },
         events=[PastEvent(time=one.time / SECOND, kind=one.kind, subject=one.subject, said=one.said) for one in told],
+    )
+
+
+@router.get("/trends")
+def get_trends(service: Served) -> Trends:
+    """The course of the figures over the last day that is known, and their changes in a day and in 30 days."""
+    robot = service.prepared().robot.identity
+    with service.monitoring.history() as store:
+        history = store.history(robot) if store else None
+        if history is None or (newest := history.report_at(2**62)) is None:
+            return Trends(until=None, times=[], breaks=[], figures={})
+        found = history.figures(newest["time"] - DAY, newest["time"] + 1, MOST_IN_COURSE)
+        day, month = trend(history, DAY), trend(history, 30 * DAY)
+    return Trends(
+        until=newest["time"] / SECOND,
+        times=(found.times / SECOND).tolist(),
+        breaks=found.broken.tolist(),
+        figures={
+            name: FigureTrend(
+                course=_values(found.of(f"{figure}.sensor_based")[1]),
+                day=finite(getattr(day, name)) if day else None,
+                month=finite(getattr(month, name)) if month else None,
+            )
+            for name, figure in COURSES.items()
+        },
     )
 
 
