@@ -233,7 +233,7 @@ def test_a_store_is_opened_by_its_kind_and_place(inside, design, recording, tmp_
     assert inside("report", design, *store, "--to", "page.html").returncode == OK
     assert inside("learn", design, theirs).returncode == OK
     repaired = inside("store", "repair", design, *store)
-    assert (repaired.returncode, "no clock jumped" in repaired.stdout) == (OK, True)
+    assert (repaired.returncode, "no clock jumped" in repaired.stdout) == (OK, True), repaired
     assert not (tmp_path / theirs).exists()
 
 

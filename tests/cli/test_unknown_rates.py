@@ -177,7 +177,7 @@ def test_the_notebook_table(wired: str, tmp_path: Path) -> None:
 def test_what_watch_says_while_the_robot_runs(wired: str, tmp_path: Path) -> None:
     report = Monitor(load(tmp_path / "robot.yaml")).report()
     out = Console(file=io.StringIO(), width=200)
-    asked = Watched("auto", None, None, 1.0, 0.0, "/", False, "base_link", (), None, (), "1/h", False)
+    asked = Watched("auto", None, None, 1.0, 0.0, "/", False, "base_link", (), None, (), (), "1/h", False)
     shown = _Lines(out, asked)
     shown.publish(report)
     task = {"nominal": Completion(0.75, 0.25), "sensor_based": Completion(0.5, 0.5)}

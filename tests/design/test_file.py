@@ -174,6 +174,11 @@ def test_what_is_no_text_file(tmp_path):
         load(binary)
     with pytest.raises(DesignError, match=r"robott\.yaml: no such file; did you mean 'robot\.yaml'\?$"):
         load(tmp_path / "robott.yaml")
+    (tmp_path / "robot.yaml").rename(tmp_path / ".robots.yaml")
+    with pytest.raises(DesignError, match=r"no such file$"):  # a hidden file is none that is meant
+        load(tmp_path / "robot.yaml")
+    with pytest.raises(DesignError, match=r"did you mean '\.robots\.yaml'\?$"):
+        load(tmp_path / ".robot.yaml")
     with pytest.raises(DesignError, match=r"no such file$"):
         load(tmp_path / "no" / "folder" / "robot.yaml")
     with pytest.raises(DesignError, match=r"File name too long|no such file"):

@@ -141,7 +141,13 @@ task:
     - {distance: 250 m, speed: 0.3 m/s, functions: [drive], stresses: {temperature: 40 degC}}
     - {duration: 5 min, cycles: 3, starts: 1}
 duty: 0.5
-thresholds: {hazard_rate: 1000 FPMH, reliability: 0.9, remaining_life: 500 h, completion: 0.99, survival: 0.9}
+thresholds:
+  hazard_rate: {limit: 1000 FPMH, clear: 900 FPMH, delay: 10 s}
+  reliability: 0.9
+  remaining_life: 500 h
+  completion: 0.99
+  survival: 0.9
+  signals: {/t.temperature: {above: 70 degC, below: {limit: -10 degC}}}
 signals:
   temperature: {topic: /t, field: temperature, unit: degC, range: [-20, 80], offset: 5 K, max_age: 5 s, stale: worst}
   load: {topic: /joint_states, field: "effort[0]", unit: N*m, rated: 80}

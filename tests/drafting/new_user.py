@@ -70,10 +70,10 @@ def outside(robot: NewRobot, command: Path, ranges: dict[str, Any], folder: Path
     for name, figure in figures.items():
         low, _, high = ranges[name]
         print(f"  {name} by hand {figure:.3g}, drafted {low:.3g} … {high:.3g}")
-        said += [] if low < figure < high else [f"{name} by hand {figure:.3g} is outside {low:.3g} … {high:.3g}"]
-    if not robot.held:
-        print("  outside, as is known: its draft is too pessimistic" if said else "  inside, unlike before")
-        return []
+        if name in robot.missed:
+            print("  inside, unlike before" if low < figure < high else "  outside, as is known")
+        elif not low < figure < high:
+            said.append(f"{name} by hand {figure:.3g} is outside {low:.3g} … {high:.3g}")
     return said
 
 

@@ -10,6 +10,7 @@ from robophm.core.units import quantity
 from robophm.design.file import load, parse
 from robophm.design.task_file import parse_plan
 from robophm.drafting.answers import Answers, questions
+from robophm.drafting.composing import Change
 from robophm.drafting.drafting import drafted, evidence, new
 from robophm.drafting.first_look import first_look, part_figures
 from robophm.health.mission import completion
@@ -107,18 +108,26 @@ def test_parts_that_are_inside_others_do_not_count_twice(drafts):
     assert "magnetometer" not in {one.entry for one in drafts["turtlebot3"][1].parts}
 
 
-def test_the_arm_is_drafted_too_pessimistic(drafts):
-    """A maker's 40,000 h of a whole arm are beyond the range: gears are drafted at rated speed all the time."""
-    robot, _, look, _ = drafts["six_axis_arm"]
-    assert not robot.held
+def test_gears_of_the_arm_work_as_was_recorded(drafts):
+    """A swing of ±1 rad in 12 s is four radians in each, of a limit of 3.14 rad/s."""
+    gears = [one for one in drafts["six_axis_arm"][1].parts if one.name == "gear"]
+    assert len(gears) == 6
+    assert all(f"as recorded, {4 / 12 / 3.14:.1%} of the joint's limit" in one.assumed for one in gears)
+
+
+def test_the_arm_is_drafted_too_pessimistic_and_not_by_its_gears(drafts):
+    """Its median life by a maker's 40,000 h of a whole arm is beyond the range, and would be without any gear."""
+    robot, draft, look, _ = drafts["six_axis_arm"]
+    assert robot.missed == ("median_life",)
     by_hand = load(robot.by_hand)
-    outlook = as_designed(Plant(by_hand))
-    assert look.ranges.failure.low / 2 < completion(outlook, look.task).failure < look.ranges.failure.low
-    median = outlook.remaining_life(by_hand.diagram).median
-    assert look.ranges.median_life.high < median < 2 * look.ranges.median_life.high
+    median = as_designed(Plant(by_hand)).remaining_life(by_hand.diagram).median
+    assert look.ranges.median_life.high < median < 1.5 * look.ranges.median_life.high
+    gears = [Change(one.path, "none") for one in draft.parts if one.name == "gear"]
+    without = drafted(draft.known, Answers().with_(**robot.said), gears, {})
+    assert look.ranges.median_life.high < first_look(without.robot).ranges.median_life.high < median
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if name != "six_axis_arm"])
+@pytest.mark.parametrize("name", NAMES)
 def test_the_ranges_hold_the_figures_of_a_careful_design_by_hand(name, drafts):
     """Its sources are its own; what a robot that did so much may be asked is the same task."""
     by_hand = load(drafts[name][0].by_hand)
@@ -128,7 +137,8 @@ def test_the_ranges_hold_the_figures_of_a_careful_design_by_hand(name, drafts):
     failure = completion(outlook, look.task).failure
     assert look.ranges.failure.low < failure < look.ranges.failure.high
     median = outlook.remaining_life(by_hand.diagram).median
-    assert look.ranges.median_life.low < median < look.ranges.median_life.high
+    if "median_life" not in drafts[name][0].missed:
+        assert look.ranges.median_life.low < median < look.ranges.median_life.high
 
 
 def test_the_task_is_what_was_driven(drafts):

@@ -75,8 +75,8 @@ def test_a_ledger_of_a_part_that_may_have_another_name_is_refused() -> None:
     renamed = tuple(mode.replace("plain ", "simple ") for mode in data["modes"])
     with pytest.raises(StoreError, match=r"'plain \(operating, age scaling\)' is in it or in the design alone"):
         Ledger.from_json(data, renamed, ())
-    with pytest.raises(StoreError, match="version 1; expected 2"):
-        Ledger.from_json({**data, "version": 1}, tuple(data["modes"]), ())
+    with pytest.raises(StoreError, match="version 0; expected 2"):
+        Ledger.from_json({**data, "version": 0}, tuple(data["modes"]), ())
 
 
 def test_a_ledger_follows_its_parts_when_the_design_puts_them_in_another_order() -> None:

@@ -8,6 +8,7 @@ from scipy.stats import norm
 
 from robophm.design.file import parse
 from robophm.design.task import Leg, Task
+from robophm.health.drawn_rates import draw_rates
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.rate_sensitivity import MOST_TRIED, largest_unknowns, ranges
@@ -108,3 +109,13 @@ def test_parts_of_one_entry_share_what_is_not_known_of_it():
     )
     own = ranges(stated, diagram, HALF_HOUR).hazard_rate
     assert own.high / own.low < alone.high / alone.low  # figures of one's own are each their own
+
+
+def test_failure_modes_of_one_entry_are_each_off_by_a_factor_of_their_own():
+    """Motor and gears of a servo are known apart; those of two servos together."""
+    now, _ = outlook("a: {part: smart_servo}, b: {part: smart_servo}")
+    drawn = draw_rates(now.plant, 100, seed=1)
+    row = {mode.path: drawn[i].tolist() for i, mode in enumerate(now.plant.robot.modes)}
+    assert row["a/motor"] == row["b/motor"]
+    assert row["a/gears"] == row["b/gears"]
+    assert row["a/motor"] != row["a/gears"]

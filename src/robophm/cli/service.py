@@ -35,7 +35,7 @@ def command(
     if failed and not replaced and repaired is None:
         raise RobophmError("--failed says why it was served; expected --replaced or --repaired SHARE with it")
     robot = load(design)
-    with stored_past(store, robot) as (kept, ledger):
+    with stored_past(store, robot, change=replaced or repaired is not None) as (kept, ledger):
         before = len(ledger.services)
         if replaced:
             replace(robot, ledger, part, failed=failed)

@@ -93,6 +93,14 @@ def nearest(name: str, known: Iterable[str], listed: Iterable[str] | None = None
     return "; known: " + ", ".join(sorted(some)) if some else ""
 
 
+def nearest_file(name: str, beside: Iterable[str]) -> str:
+    """The same hint about a file, of the names beside it; a hidden one, which begins with a dot, is none that is meant.
+
+    Where the name itself begins with a dot, hidden ones are.
+    """
+    return nearest(name, [other for other in beside if name.startswith(".") or not other.startswith(".")])
+
+
 def _alike(name: str, other: str) -> float:
     """The share of letters that both have, as difflib's ``quick_ratio``, which is much slower."""
     name, other = name.casefold()[:100], other.casefold()[:100]

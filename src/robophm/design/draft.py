@@ -35,6 +35,8 @@ class DraftPart:
     """The joint that it moves, if it does."""
     effort: float | None = None
     """The largest torque [N·m] or force [N] that this joint may be driven with; None where it is not known."""
+    velocity: float | None = None
+    """The largest speed [rad/s or m/s] of this joint; None where it is not known."""
     keys: Mapping[str, Any] = field(default_factory=dict)
     """Further keys of the component: quantity, signals, clocks."""
 

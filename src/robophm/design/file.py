@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from robophm.core.argument_checks import path as given_path
-from robophm.core.errors import DesignError, nearest
+from robophm.core.errors import DesignError, nearest, nearest_file
 from robophm.core.files import STANDARD_INPUT, read_at_most, shipped, write_atomically
 from robophm.core.yaml_values import MAX_BYTES, Lines, located, values
 from robophm.design.robot import Robot
@@ -184,7 +184,7 @@ def read(path: Path) -> str:
         if path != STANDARD_INPUT and not path.exists():
             beside = [other.name for other in path.parent.iterdir()] if path.parent.is_dir() else []
             suffixes = (".csv",) if path.suffix.lower() == ".csv" else (".yaml", ".yml")
-            hint = nearest(path.name, [name for name in beside if name.lower().endswith(suffixes)])
+            hint = nearest_file(path.name, [name for name in beside if name.lower().endswith(suffixes)])
             raise DesignError(f"{path}: no such file{hint}")
         content = read_at_most(path, MAX_BYTES)
         if content is None:

@@ -26,6 +26,9 @@ A limit is a peak, and strain wave gears are rated for two to three fifths of th
 (Harmonic Drive, catalogues of CSG and CSF).
 """
 
+RATED_SHARES = (0.4, 0.6)
+"""The ends within which that share lies, by the same catalogues."""
+
 STALL_SHARE = 0.2
 """The same of a servo's stall torque, as its maker wants it (entry smart_servo)."""
 

@@ -22,6 +22,7 @@ from robophm.design.robot import Robot
 from robophm.drafting.answers import Answers, Known, Question, listed, settled, share_of_day
 from robophm.drafting.bindings import Proposal, proposals
 from robophm.drafting.composing import Change, composed, left_to_others
+from robophm.drafting.gear_lives import at_work
 from robophm.drafting.seen import look
 from robophm.drafting.tasks import SeenTask, driven, tasks_seen, tasks_text
 from robophm.hazard.environments import environment, explained
@@ -124,7 +125,7 @@ def drafted(
     bare = parse(design_text(head, keys, parts), "the draft")
     efforts = {one.joint: one.effort for one in parts if one.joint and one.effort is not None}
     bound, unbound = proposals(bare, known.seen, efforts)
-    parts = [_bound(one, bound) for one in parts]
+    parts = at_work([_bound(one, bound) for one in parts], known.seen)
     clocks = {one.input: dict(one.binding) for one in bound if one.place[0] == "clocks"}
     keys |= {"clocks": clocks} if clocks else {}
     text = design_text([*head, DRAFTED + json.dumps([one.path for one in parts], ensure_ascii=False)], keys, parts)

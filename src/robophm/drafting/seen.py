@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,6 +16,7 @@ from robophm.design.importers.urdf.drives import words_of
 from robophm.measured.overview import Overview, overview, per_second
 from robophm.measured.recordings import Recorded, Signal, recordings, signal_of
 from robophm.measured.statistics import statistics_of
+from robophm.measured.travel import Travel
 from robophm.transports.recordings.looking import elements_of
 from robophm.transports.signals.message_units import field_unit
 
@@ -58,11 +60,13 @@ class SeenSignal:
     topic: str
     field: str
     kind: str
-    """A stress of ``KINDS``, or position, of which edges may be counted."""
+    """A stress of ``KINDS``; or position of a joint, of which edges may be counted, or its velocity."""
     unit: str
     lowest: float = math.nan
     highest: float = math.nan
     samples: int = 0
+    speed: float = math.nan
+    """Mean speed of a joint [rad/s or m/s], by its velocity or by the changes of its position; else NaN."""
 
     @property
     def name(self) -> str:
@@ -157,11 +161,10 @@ def _kind(topic: str, type_: str, field: str, unit: str | None) -> str:
     last = words_of(f"{last_step.field} {last_step.element or ''}")
     if unit == "degC":
         return "temperature"
-    if type_.endswith(("/JointState", "/DynamicJointState")) and "position" in (
-        steps_of(field)[0].field,
-        last_step.element,
-    ):
-        return "position"
+    if type_.endswith(("/JointState", "/DynamicJointState")):
+        for kind in ("position", "velocity"):
+            if kind in (steps_of(field)[0].field, last_step.element):
+                return kind
     if type_.replace("/msg/", "/").startswith("std_msgs/"):
         last = words_of(topic.rpartition("/")[2])  # its only field says nothing
     for kind, called in KINDS.items():
@@ -186,10 +189,14 @@ def _valued(found: Sequence[Recorded], sought: Sequence[SeenSignal]) -> Iterator
         except SourceError:
             continue  # of a recording beside it
     spans: dict[str, tuple[float, float, int]] = {}
+    travels: dict[str, Travel] = defaultdict(Travel)
     for seen in statistics_of(found, signals, None, HELD).seen:
         low, high, count = spans.get(seen.signal.name, (math.inf, -math.inf, 0))
         whole = seen.whole
+        travels[seen.signal.name] += seen.look.travel
         spans[seen.signal.name] = min(low, whole.lowest), max(high, whole.highest), count + whole.samples
     for one in sought:
         low, high, count = spans.get(one.name, (math.nan, math.nan, 0))
-        yield SeenSignal(one.topic, one.field, one.kind, one.unit, low, high, count)
+        travel = travels[one.name]
+        speed = {"position": travel.pace, "velocity": travel.magnitude}.get(one.kind, math.nan)
+        yield SeenSignal(one.topic, one.field, one.kind, one.unit, low, high, count, speed)

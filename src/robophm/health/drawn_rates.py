@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import gammaincinv, ndtri
 
-from robophm.design.robot import FailureMode, Uncertainty
+from robophm.design.robot import FailureMode, Robot, Uncertainty
 from robophm.health.plant import Plant
 from robophm.parts import graded
 
@@ -25,21 +25,23 @@ def draw_rates(plant: Plant, count: int, seed: int) -> Array:
     ratios = np.ones((len(plant.robot.modes), count))
     for i, mode in enumerate(plant.robot.modes):
         if mode.uncertainty:
-            random = np.random.default_rng([seed, *state_of_knowledge(mode).encode()])
+            random = np.random.default_rng([seed, *state_of_knowledge(plant.robot, mode).encode()])
             ratios[i] = _ratio(mode.uncertainty, (random.permutation(count) + random.random(count)) / count)
     return ratios
 
 
-def state_of_knowledge(mode: FailureMode) -> str:
+def state_of_knowledge(robot: Robot, mode: FailureMode) -> str:
     """A key of the uncertainty of a rate: failure modes with equal keys share one unknown, and so one draw.
 
     An entry of the library says of a kind of part how often it fails. Where that is three times off, it is so for all
     parts of that entry, until the field has said something of one (state-of-knowledge correlation: Apostolakis and
-    Kaplan, Reliability Engineering 2, 1981).
+    Kaplan, Reliability Engineering 2, 1981). So it is where one of them works more than another and has a
+    higher rate as stated: what is shared is the factor by which the entry is off.
     """
     if mode.evidence or not graded(mode.source):
         return mode.origin
-    return f"{mode.source} {mode.clock} {mode.life!r}"
+    name = mode.origin.removeprefix(robot.part_of(mode))  # of the mode in its part; "" where that has one alone
+    return f"{mode.source} {mode.clock} {name}"
 
 
 def _ratio(uncertainty: Uncertainty, level: Array) -> Array:

@@ -337,8 +337,9 @@ class DrawnRates:
         alone = evidence.sum(axis=0)
         if _effective(alone) < _FEWEST_EFFECTIVE * len(alone):  # together they leave few draws: draw by each instead
             same_rate: dict[str, list[int]] = defaultdict(list)
+            robot = outlook.plant.robot
             for i in np.flatnonzero(np.ptp(ratios, axis=1) > 0).tolist():
-                same_rate[state_of_knowledge(outlook.plant.robot.modes[m[i]])].append(i)
+                same_rate[state_of_knowledge(robot, robot.modes[m[i]])].append(i)
             for modes in same_rate.values():
                 chosen = _resampled(evidence[modes].sum(axis=0))
                 for rows in (ratios, lived, unseen):

@@ -101,11 +101,11 @@ def service(
         raise RobophmError("failed says why it was served; expected replaced or repaired with it")
     if store is None:
         raise RobophmError("store None: expected where the robot's past is kept")
-    with stored_past(store, found) as (kept, ledger):
+    with stored_past(store, found, change=replaced or share is not None) as (kept, ledger):
         if replaced:
             services.replace(found, ledger, part, failed=failed)
         elif share is not None:
             services.repair(found, ledger, part, share, failed=failed)
         if replaced or share is not None:
-            kept.save(found.name, ledger.to_json())
+            kept.save(found.identity, ledger.to_json())
         return services.services_of(found, ledger, part)

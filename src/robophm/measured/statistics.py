@@ -16,6 +16,7 @@ from robophm.measured.held_values import Floats, HeldValues, Ints, held_values
 from robophm.measured.levels import Levels
 from robophm.measured.recordings import Recorded, Signal
 from robophm.measured.series import Series
+from robophm.measured.travel import Travel
 
 MOST_WINDOWS = 1_000_000
 """Windows without a sample of their own, in which the value from before still held, in one recording."""
@@ -123,11 +124,12 @@ def _joined(one: Floats, other: Floats) -> Floats:
 
 @dataclass
 class Look:
-    """Everything gathered of one signal: its statistics, its curve, and its time at each level [h]."""
+    """Everything gathered of one signal: its statistics, its curve, its time at each level [h], and its travel."""
 
     whole: Windows
     series: Series
     levels: Levels
+    travel: Travel = field(default_factory=Travel)
 
     @classmethod
     def new(cls, levels: int) -> Look:
@@ -138,6 +140,7 @@ class Look:
         """Add stretches of the signal."""
         self.whole.feed(here)
         self.series.add(here)
+        self.travel.add(here)
         self.levels.add(here.values[:, None], ((here.ends - here.times) / HOUR)[:, None], here.values)
 
 

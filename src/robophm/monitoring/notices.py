@@ -131,15 +131,15 @@ def _sender(address: str) -> tuple[str, _Send]:
         where = urlsplit(address)
         port, host = where.port, where.hostname
     except ValueError as error:
-        raise RobophmError(f"--notify {address!r:.100}: {error}; {EXPECTED}") from None
+        raise RobophmError(f"{address!r:.100} cannot be told of alarms: {error}; {EXPECTED}") from None
     if where.scheme not in ("http", "https", "smtp", "smtps") or not host:
-        raise RobophmError(f"--notify {address!r:.100}: {EXPECTED}")
+        raise RobophmError(f"{address!r:.100} cannot be told of alarms: {EXPECTED}")
     place = f"{where.scheme}://{host}" + (f":{port}" if port else "")
     if where.scheme.startswith("http"):
         return place, lambda robot, alarm: _post(address, webhook_body(robot, alarm))
     said = parse_qs(where.query)
     if said.keys() != {"from", "to"}:
-        raise RobophmError(f"--notify {address!r:.100}: {EXPECTED}")
+        raise RobophmError(f"{address!r:.100} cannot be told of alarms: {EXPECTED}")
     return place, lambda robot, alarm: _mail(where, said["from"][0], said["to"], robot, alarm)
 
 

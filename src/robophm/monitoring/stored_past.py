@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,9 +20,12 @@ from robophm.stores.store import Store
 
 
 @contextmanager
-def stored_past(address: Address, robot: Robot) -> Iterator[tuple[Store, Ledger]]:
-    """A store that is there, and the robot's ledger in it. Raises StoreError where it knows no such robot."""
-    with existing_store(address) as store:
+def stored_past(address: Address, robot: Robot, *, change: bool = False) -> Iterator[tuple[Store, Ledger]]:
+    """A store that is there, and the robot's ledger in it, to ``change`` it or to look at it.
+
+    Raises StoreError where it knows no such robot, and where somebody else goes on with what is to be changed.
+    """
+    with existing_store(address) as store, store.alone(robot.identity) if change else nullcontext():
         ledger = kept_ledger(robot, store)
         if ledger is None:
             raise unknown_robot(address, store, robot)
@@ -82,7 +85,7 @@ def repair_past(address: Address, robot: Robot) -> RepairedPast | None:
     None where no clock jumped: then nothing is changed. Else a copy of the store is made beside it before anything is.
     Raises StoreError where it knows no such robot, or cannot be copied or written.
     """
-    with stored_past(address, robot) as (store, ledger):
+    with stored_past(address, robot, change=True) as (store, ledger):
         done = take_out_jump(robot, ledger)
         if done is None:
             return None
@@ -104,7 +107,7 @@ def settle_past(address: Address, robot: Robot, verdict: Verdict) -> SettledPast
     A copy of the store is made beside it before anything is changed. Raises RobophmError as ``settle``, StoreError
     where the store knows no such robot, or cannot be copied or written.
     """
-    with stored_past(address, robot) as (store, ledger):
+    with stored_past(address, robot, change=True) as (store, ledger):
         done = settle(robot, ledger, verdict)
         copy = _copied(store, address)
         if done.ahead < 0 and ledger.integrated_to is not None:

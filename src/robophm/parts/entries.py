@@ -57,7 +57,11 @@ class Entry:
     @property
     def origin(self) -> str:
         """Return the source of its rate as a design that takes the entry states it."""
-        return f"{_ORIGIN}{self.name}, grade {self.grade}: {self.source}"
+        return self.graded_origin(self.grade)
+
+    def graded_origin(self, grade: str) -> str:
+        """Return the same of a rate that follows from the entry's by a rule, and has a grade of its own."""
+        return f"{_ORIGIN}{self.name}, grade {grade}: {self.source}"
 
 
 def graded(source: str) -> str:

@@ -81,7 +81,7 @@ class CheckedTable(NamedTuple):
             before = base.execute(f"SELECT sum FROM {self.name} WHERE {where}", (robot, *key)).fetchone()
             new = _checksum(self.name, robot, key, values)
             base.execute(f"INSERT OR REPLACE INTO {self.name} VALUES ({marks})", (robot, *key, new, *values))
-            count, sums = count + (before is None), sums ^ new ^ (before[0] if before else 0)
+            count, sums = count + (before is None), sums ^ new ^ (_whole(before[0]) if before else 0)
         self._know(base, robot, count, sums)
 
     def drop(self, base: sqlite3.Connection, robot: str, where: str, *given: Any) -> None:
@@ -135,10 +135,17 @@ class CheckedTable(NamedTuple):
 
     def _known(self, base: sqlite3.Connection, robot: str) -> tuple[int, int]:
         query = "SELECT rows, sums FROM content WHERE part = ? AND robot = ?"
-        return base.execute(query, (self.name, robot)).fetchone() or (0, 0)
+        count, sums = base.execute(query, (self.name, robot)).fetchone() or (0, 0)
+        return _whole(count), _whole(sums)
 
     def _know(self, base: sqlite3.Connection, robot: str, count: int, sums: int) -> None:
         base.execute("INSERT OR REPLACE INTO content VALUES (?, ?, ?, ?)", (self.name, robot, count, sums))
+
+
+def _whole(number: object) -> int:
+    if isinstance(number, int):
+        return number
+    raise DamagedError("a checksum is damaged: it is no number any more")
 
 
 def _names(columns: Iterable[str]) -> list[str]:

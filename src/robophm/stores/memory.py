@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from robophm.stores.sqlite import SqliteStore
+from robophm.stores.store import Restored
 
 
 class MemoryStore(SqliteStore):
@@ -19,6 +20,11 @@ class MemoryStore(SqliteStore):
     def exists(cls, where: str) -> bool:
         """Whether there is something: never, it is always new."""
         return False
+
+    @classmethod
+    def restore(cls, where: str) -> Restored | None:
+        """Make nothing anew, for there is nothing that could be damaged: None."""
+        return None
 
     @contextmanager
     def alone(self, robot: str) -> Iterator[None]:

@@ -37,6 +37,8 @@ class SqliteStore(Store):
         self.path = Path(where)
         self._good_at: float | None = None
         """When the good state beside it was kept, on the clock of ``time.monotonic``; None: nothing was saved yet."""
+        self._whole: set[str] = set()
+        """Robots whose progress was read once, and is all sound."""
         self._revisions: dict[str, int] = {}  # of the ledgers that were read: who saves later must have read that one
         with self._errors():
             self._base = _connected(self.path)
@@ -108,6 +110,10 @@ class SqliteStore(Store):
         """Return how far a recording has been replayed into this robot's ledger."""
         with self._errors():
             row = PROGRESS.get(self._base, robot, recording)
+            if row is None and robot not in self._whole:  # it may be there under a name that was damaged
+                for _ in PROGRESS.rows(self._base, robot):
+                    pass
+                self._whole.add(robot)
         return Progress(recording, row[0], bool(row[1]), json.loads(row[2])) if row else Progress(recording)
 
     def history(self, robot: str) -> History:

@@ -138,7 +138,7 @@ def _speak(robot: Robot, over: threading.Event) -> None:
 
 def test_an_order_is_judged_when_it_arrives_and_when_it_is_done(broker: Broker, robot: Robot, tmp_path: Path) -> None:
     """5 m at 0.5 m/s and 6 m at a metre a second, 16 s, at 0.01 /h; it is lived at up to twice that rate."""
-    (tmp_path / "robot.yaml").write_text(DESIGN)
+    (tmp_path / "robot.yaml").write_text(DESIGN.partition("thresholds")[0])
     for which in ("predicted", "actual"):
         robot.hear(f"{ROOT}/phm/task_{which}")
     robot.hear(f"{ROOT}/phm_hazard_rate")

@@ -27,6 +27,7 @@ OPTIONS = {
     "expected its threshold": "expected --threshold",
     "and the load at which readings are compared": "and --load, the load at which readings are compared",
     "expected one for each setting": "expected one for each of --settings",
+    "cannot be told of alarms": "cannot be told of alarms (--notify)",
     "no such store": "no such store; `robophm replay --store` makes it",
 }
 """Words of the rooms below, each with the same words that name the option which a command has for it."""

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from robophm.core.errors import SourceError, nearest
+from robophm.core.errors import SourceError, nearest_file
 from robophm.transports.recordings.format import MessageFormat, RecordingFormat, SampleFormat
 from robophm.transports.recordings.recognising import Look, formats, look_at, suffixes
 from robophm.transports.recordings.remote import here
@@ -163,7 +163,7 @@ def existing(path: Path) -> Path:
     meant = suffixes() | {path.suffix.lower() or ".bag"}
     beside: Iterable[Path] = path.parent.iterdir() if path.parent.is_dir() else ()
     names = [one.name for one in beside if one.suffix.lower() in meant or _has_recordings(one)]
-    raise SourceError(f"{path}: no such file{nearest(path.name, names)}")
+    raise SourceError(f"{path}: no such file{nearest_file(path.name, names)}")
 
 
 def _has_recordings(folder: Path) -> bool:

@@ -14,7 +14,7 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from robophm.core.errors import DesignError, nearest
+from robophm.core.errors import DesignError, nearest_file
 from robophm.core.files import STANDARD_INPUT, stream_of
 from robophm.design.importers.bom.sheets import MAX_COLUMNS, MAX_ROWS, SheetError
 from robophm.design.importers.bom.spreadsheets import workbook
@@ -68,7 +68,7 @@ def _content(path: Path) -> bytes:
     try:
         if path != STANDARD_INPUT and not path.exists():
             beside = [other.name for other in path.parent.iterdir()] if path.parent.is_dir() else []
-            raise DesignError(f"{path}: no such file{nearest(path.name, beside)}")
+            raise DesignError(f"{path}: no such file{nearest_file(path.name, beside)}")
         with stream_of(path) as stream:
             content = stream.read(MAX_BYTES + 1)  # a device never ends, whatever size it says
     except OSError as error:

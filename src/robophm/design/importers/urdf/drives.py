@@ -116,9 +116,9 @@ def drive_parts(description: Description, chosen: Entry | None = None) -> Iterat
 
 
 def _part(joint: Joint, module: str, name: str, entry: str, assumed: str = "") -> DraftPart:
-    effort = None if math.isnan(joint.effort) else joint.effort
+    effort, velocity = (None if math.isnan(one) else one for one in (joint.effort, joint.velocity))
     limit = "" if effort is None else f", limit {effort:g} {'N' if joint.type == 'prismatic' else 'N·m'}"
-    return DraftPart(module, name, entry, f"joint {joint.name}{limit}", assumed, joint.name, effort)
+    return DraftPart(module, name, entry, f"joint {joint.name}{limit}", assumed, joint.name, effort, velocity)
 
 
 def _rotor(joint: Joint) -> Iterator[DraftPart]:
