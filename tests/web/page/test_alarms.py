@@ -73,7 +73,7 @@ def test_an_alarm_is_seen_drawn_and_acknowledged(oven, visit, tmp_path):
     look = visit(oven)
     page = look.open("live")
     page.get_by_text("Recording over").wait_for()
-    page.get_by_role("region", name="Sensors in degC").get_by_text("warning 40", exact=True).wait_for()
+    page.get_by_role("region", name="Sensors in °C").get_by_text("warning 40", exact=True).wait_for()
     page.get_by_role("region", name="Hazard rate").get_by_text("limit 2e-5", exact=True).wait_for()
     page.wait_for_function(DRAWN)
     said = oven.get("/api/health")

@@ -103,7 +103,7 @@ def analysed(look, page, empty):
     page.get_by_role("button", name="Start analysis").click()
     page.get_by_text("Watching").wait_for()
     page.locator(".plot", has_text="Hazard rate").locator("canvas").wait_for()
-    page.get_by_text("Sensors in degC").wait_for()
+    page.get_by_text("Sensors in °C").wait_for()
     until = time.monotonic() + 30
     while empty.get("/api/health")["looks"] < 5 and time.monotonic() < until:
         page.wait_for_timeout(100)

@@ -209,7 +209,7 @@ def test_silences_are_those_that_were_heard_and_lines_do_not_cross_a_night(tmp_p
         truths = {"100000": (night - 5 + 2995) / (3 * hour + night), "28800": 2995 / hour, "3600": 2995 / hour}
         for window, truth in truths.items():
             page.get_by_label("Window").select_option(window)
-            plot = page.get_by_role("region", name="Sensors in degC")
+            plot = page.get_by_role("region", name="Sensors in °C")
             until, share = time.monotonic() + 60, None
             while share != pytest.approx(truth, abs=0.02) and time.monotonic() < until:
                 share = plot.locator("canvas").evaluate(SHADED)
@@ -298,7 +298,7 @@ def test_a_plot_is_taken_along_with_what_it_says(tmp_path, visit):
 
         def taken(kind):
             with page.expect_download() as download:
-                page.get_by_role("button", name=f"Sensors in degC as {kind}").click()
+                page.get_by_role("button", name=f"Sensors in °C as {kind}").click()
             return download.value.path().read_bytes()
 
         until, rows = time.monotonic() + 60, []
@@ -310,12 +310,12 @@ def test_a_plot_is_taken_along_with_what_it_says(tmp_path, visit):
         png = taken("PNG")
         width, height = int.from_bytes(png[16:20]), int.from_bytes(png[20:24])
         canvas = (
-            page.get_by_role("region", name="Sensors in degC").locator("canvas").evaluate("c => [c.width, c.height]")
+            page.get_by_role("region", name="Sensors in °C").locator("canvas").evaluate("c => [c.width, c.height]")
         )
         assert width == canvas[0]
         assert height > canvas[1]
         # a plot that is zoomed in shows another window as any
-        plot = page.get_by_role("region", name="Sensors in degC")
+        plot = page.get_by_role("region", name="Sensors in °C")
         box = plot.locator(".u-over").bounding_box()
         page.mouse.move(box["x"] + 0.4 * box["width"], box["y"] + 20)
         page.mouse.down()
@@ -440,6 +440,6 @@ def test_a_point_that_no_line_reaches_is_a_dot(served, visit, tmp_path):
         look = visit(courier)
         page = look.open("live")
         page.get_by_text("Recording over").wait_for()
-        page.get_by_role("region", name="Sensors in degC").wait_for()
+        page.get_by_role("region", name="Sensors in °C").wait_for()
         page.wait_for_function(f"name => ({DOTS})(name) > 200", arg="Sensors in K")  # a line
-        page.wait_for_function(f"name => ({DOTS})(name) > 8 && ({DOTS})(name) < 100", arg="Sensors in degC")
+        page.wait_for_function(f"name => ({DOTS})(name) > 8 && ({DOTS})(name) < 100", arg="Sensors in °C")

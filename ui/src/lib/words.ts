@@ -79,6 +79,11 @@ export function durationText(hours: Value): string {
   return `${numberText(hours / length, 3)} ${unit}`;
 }
 
+/** A unit as people write it: the design says degC, which any keyboard has. */
+export function unitText(unit: string | null | undefined): string {
+  return (unit ?? "").replace("deg", "°");
+}
+
 export function secondsText(seconds: Value): string {
   return seconds == null ? "never heard" : seconds < 0.5 ? "now" : `${durationText(seconds / 3600)} ago`;
 }

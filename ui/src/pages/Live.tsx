@@ -3,7 +3,7 @@ import { useHealth } from "../lib/health";
 import { useLimits } from "../lib/alarms";
 import { live, pulse, useLive } from "../lib/live";
 import { useDesign, useShared, useUnit } from "../lib/store";
-import { RATE_UNITS } from "../lib/words";
+import { RATE_UNITS, unitText } from "../lib/words";
 import { Check } from "../parts/Field";
 import { ICONS } from "../parts/Icon";
 import { type Curve, type Limit, Plot } from "../parts/Plot";
@@ -109,7 +109,7 @@ export default function Live(): ReactNode {
           <Plot key={`task ${seconds}`} title="Probability of completing the task" limits={limit(own("completion"))} curves={chance} xLabel="time of the samples, UTC" yLabel="PoTC, given that it works now" time />
         )}
         {groups.map((group) => (
-          <Plot key={`${group.unit} ${seconds}`} title={`Sensors${group.unit ? ` in ${group.unit}` : ""}`} limits={limit(group.curves.map((one) => one.name))} curves={group.curves} gaps={group.gaps} xLabel="time of the samples, UTC" yLabel={group.unit ? `[${group.unit}]` : ""} time empty={empty} />
+          <Plot key={`${group.unit} ${seconds}`} title={`Sensors${group.unit ? ` in ${unitText(group.unit)}` : ""}`} limits={limit(group.curves.map((one) => one.name))} curves={group.curves} gaps={group.gaps} xLabel="time of the samples, UTC" yLabel={group.unit ? `[${unitText(group.unit)}]` : ""} time empty={empty} />
         ))}
       </div>
       {!signals.length && design.valid && (

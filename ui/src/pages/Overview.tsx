@@ -5,7 +5,7 @@ import { horizon, useHealth } from "../lib/health";
 import { useDesign, useShared, useUnit } from "../lib/store";
 import { isEmpty } from "../lib/tree";
 import { type Card, trendRows, type Trends, useTrends } from "../lib/trends";
-import { chanceWords, durationText, marked, momentText, moreText, numberText, oddsText, percentText, rateText, secondsText, type Unknown } from "../lib/words";
+import { chanceWords, durationText, marked, momentText, moreText, numberText, oddsText, percentText, rateText, secondsText, type Unknown, unitText } from "../lib/words";
 import { Bars } from "../parts/Bars";
 import { Select } from "../parts/Field";
 import { ICONS, State } from "../parts/Icon";
@@ -232,7 +232,7 @@ function Sensors({ sensors, idle }: { sensors: Shapes["Freshness"][]; idle: bool
         {sensors.map((one) => (
           <tr key={one.signal}>
             <th scope="row">{one.signal}</th>
-            <td className="number">{one.value == null ? "–" : `${numberText(one.value)} ${one.unit ?? ""}`}</td>
+            <td className="number">{one.value == null ? "–" : `${numberText(one.value)} ${unitText(one.unit)}`}</td>
             <td>{idle ? "not watching" : <span className={one.stale ? "state stale" : ""}>{one.stale ? `STALE, ${secondsText(one.age)}` : secondsText(one.age)}</span>}</td>
           </tr>
         ))}

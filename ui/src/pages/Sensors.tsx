@@ -3,7 +3,7 @@ import { get, type Shapes } from "../lib/api";
 import { useHealth } from "../lib/health";
 import { editWithUndo, route, sayError, useDesign, useShared } from "../lib/store";
 import { everyPart, isValues, treeOf } from "../lib/tree";
-import { numberText, secondsText } from "../lib/words";
+import { numberText, secondsText, unitText } from "../lib/words";
 import { ICONS } from "../parts/Icon";
 import { Table } from "../parts/Table";
 import { Watching } from "../parts/Watching";
@@ -133,7 +133,7 @@ export default function Sensors(): ReactNode {
                   <th scope="row">{one.at || design.name}</th>
                   <td>{one.kind}</td>
                   <td>{one.words}</td>
-                  <td className="number">{heard?.value == null ? "–" : `${numberText(heard.value)} ${heard.unit ?? ""}`}</td>
+                  <td className="number">{heard?.value == null ? "–" : `${numberText(heard.value)} ${unitText(heard.unit)}`}</td>
                   <td>{health?.monitoring === "idle" ? "not watching" : heard?.stale ? <span className="state stale">STALE, {secondsText(heard.age)}</span> : secondsText(heard?.age)}</td>
                   <td>
                     <button aria-label={`Unbind ${one.kind} of ${one.at || design.name}`} onClick={() => void editWithUndo([{ op: "delete", path: one.place }], `Unbound ${one.kind} of ${one.at || design.name}`)}>
