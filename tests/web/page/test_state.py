@@ -309,9 +309,7 @@ def test_a_plot_is_taken_along_with_what_it_says(tmp_path, visit):
         assert re.findall(r">(22:\d\d)</text>", picture) == ["22:15", "22:20", "22:25", "22:30"]
         png = taken("PNG")
         width, height = int.from_bytes(png[16:20]), int.from_bytes(png[20:24])
-        canvas = (
-            page.get_by_role("region", name="Sensors in °C").locator("canvas").evaluate("c => [c.width, c.height]")
-        )
+        canvas = page.get_by_role("region", name="Sensors in °C").locator("canvas").evaluate("c => [c.width, c.height]")
         assert width == canvas[0]
         assert height > canvas[1]
         # a plot that is zoomed in shows another window as any
