@@ -163,11 +163,11 @@ def test_what_came_after_a_time_can_be_taken_back(store: Store) -> None:
     last = reports[499]["time"]
     store.save("R", {}, (), reports, restart)
     kept = list(store.history("R").reports())
-    try:
-        store.bring_back("R", {"n": 1}, last)
-    except StoreError as error:
-        assert "cannot be brought back to a time" in str(error)
-        pytest.skip("this kind of store refuses to be brought back")
+    if type(store).bring_back is Store.bring_back:
+        with pytest.raises(StoreError, match="cannot be brought back to a time"):
+            store.bring_back("R", {"n": 1}, last)
+        return
+    store.bring_back("R", {"n": 1}, last)
     found = store.history("R").figures(points=10_000)
     assert found.times.tolist() == [one["time"] for one in reports[:500]]
     for points in (5, 50):
