@@ -73,7 +73,7 @@ class CheckedTable(NamedTuple):
     def put(self, base: sqlite3.Connection, robot: str, rows: Iterable[Sequence[Any]]) -> None:
         """Keep rows, each a key and values, in the place of those with the same keys; within a transaction."""
         n = len(self.key)
-        count, sums = self._known(base, robot)
+        count, sums = known(base, self.name, robot)
         where = " AND ".join(f"{name} = ?" for name in ("robot", *_names(self.key)))
         marks = ", ".join("?" * (n + 2 + len(self.values)))
         for row in rows:
@@ -82,7 +82,7 @@ class CheckedTable(NamedTuple):
             new = _checksum(self.name, robot, key, values)
             base.execute(f"INSERT OR REPLACE INTO {self.name} VALUES ({marks})", (robot, *key, new, *values))
             count, sums = count + (before is None), sums ^ new ^ (_whole(before[0]) if before else 0)
-        self._know(base, robot, count, sums)
+        know(base, self.name, robot, count, sums)
 
     def drop(self, base: sqlite3.Connection, robot: str, where: str, *given: Any) -> None:
         """Let go of a robot's rows of which an SQL condition holds; within a transaction."""
@@ -90,12 +90,12 @@ class CheckedTable(NamedTuple):
         gone = [one for (one,) in base.execute(f"SELECT sum {said}", (robot, *given))]
         if gone:
             base.execute(f"DELETE {said}", (robot, *given))
-            count, sums = self._known(base, robot)
-            self._know(base, robot, count - len(gone), functools.reduce(operator.xor, gone, sums))
+            count, sums = known(base, self.name, robot)
+            know(base, self.name, robot, count - len(gone), functools.reduce(operator.xor, gone, sums))
 
     def check(self, base: sqlite3.Connection, robot: str) -> None:
         """Raise DamagedError where a robot's rows are not those that were written, as far as their sums tell."""
-        if self._known(base, robot) != self._there(base, robot):
+        if known(base, self.name, robot) != self._there(base, robot):
             raise DamagedError(f"the {self.name} of {robot} is damaged: it has not the rows that were written")
 
     def robots(self, base: sqlite3.Connection) -> list[str]:
@@ -133,13 +133,17 @@ class CheckedTable(NamedTuple):
                 return None
         return count, sums
 
-    def _known(self, base: sqlite3.Connection, robot: str) -> tuple[int, int]:
-        query = "SELECT rows, sums FROM content WHERE part = ? AND robot = ?"
-        count, sums = base.execute(query, (self.name, robot)).fetchone() or (0, 0)
-        return _whole(count), _whole(sums)
 
-    def _know(self, base: sqlite3.Connection, robot: str, count: int, sums: int) -> None:
-        base.execute("INSERT OR REPLACE INTO content VALUES (?, ?, ?, ?)", (self.name, robot, count, sums))
+def known(base: sqlite3.Connection, part: str, robot: str) -> tuple[int, int]:
+    """Return how many rows a robot has in a table, and their checksums together, as it was written."""
+    query = "SELECT rows, sums FROM content WHERE part = ? AND robot = ?"
+    count, sums = base.execute(query, (part, robot)).fetchone() or (0, 0)
+    return _whole(count), _whole(sums)
+
+
+def know(base: sqlite3.Connection, part: str, robot: str, count: int, sums: int) -> None:
+    """Write how many rows a robot has in a table, and their checksums together; within a transaction."""
+    base.execute("INSERT OR REPLACE INTO content VALUES (?, ?, ?, ?)", (part, robot, count, sums))
 
 
 def _whole(number: object) -> int:

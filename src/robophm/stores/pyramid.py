@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from robophm.core.signal import DAY, SECOND
-from robophm.stores._checked_rows import DamagedError
+from robophm.stores._checked_rows import DamagedError, know, known
 from robophm.stores.figures import FigureSeries, figures_of, joined, packed, unpacked
 
 WIDTHS = (0, 600 * SECOND, 3600 * SECOND, DAY)
@@ -121,7 +121,7 @@ class Pyramid:
         """What a level has of a stretch of time. Raises DamagedError where that is not all that was written."""
         number, days = number_of(robot), WIDTHS[-1]
         if width == days:
-            if self._days(number) != self._known_days(robot):
+            if self._days(number) != known(self._base, "figures", robot):
                 raise DamagedError(_MISSING)
             return self._read(number, width, begin, end)
         above = WIDTHS[WIDTHS.index(width) + 1]
@@ -141,12 +141,7 @@ class Pyramid:
         return len(sums), functools.reduce(operator.xor, (int.from_bytes(bytes(one)) for one in sums), 0)
 
     def _know_days(self, robot: str) -> None:
-        known = self._days(number_of(robot))
-        self._base.execute("INSERT OR REPLACE INTO content VALUES ('figures', ?, ?, ?)", (robot, *known))
-
-    def _known_days(self, robot: str) -> tuple[int, int]:
-        query = "SELECT rows, sums FROM content WHERE part = 'figures' AND robot = ?"
-        return self._base.execute(query, (robot,)).fetchone() or (0, 0)
+        know(self._base, "figures", robot, *self._days(number_of(robot)))
 
     def _rows(self, number: int, width: int, start: int, end: int) -> int:
         query = """SELECT count(*) FROM (
