@@ -234,13 +234,8 @@ class Monitoring:
     @contextmanager
     def alarm_log(self, robot: Robot) -> Iterator[AlarmLog]:
         """The log of a robot's alarms: of the latest run, else of the store, else an empty one. Raises StoreError."""
-        if self._shown:
-            yield self._shown.alarm_log(robot.identity)
-        elif self._store and store_exists(self._store):
-            with open_store(self._store) as store:
-                yield store.alarm_log(robot.identity)
-        else:
-            yield AlarmsInMemory()
+        with self.history() as store:
+            yield store.alarm_log(robot.identity) if store else AlarmsInMemory()
 
     def pasts(self, identity: str) -> list[Mapping[str, Any]]:
         """Return the pasts of a robot by its identity, as ledgers keep them: of the latest run, and of the store.
