@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import threading
+import time
 
 from robophm.cli.topics import _document, _row
 from robophm.core.signal import SECOND
@@ -169,8 +170,14 @@ for line in sys.stdin:
         send("warm", 995)
         send("warm", 500)
         within(5, lambda: len(heard.of("/warm.temperature")) == 2)
-        send("clock", 40)
-        within(5, lambda: told(40))
+
+        def begins_anew() -> bool:
+            send("clock", 40)
+            return source.notes["/clock began anew; time goes on from where it was"] == 1
+
+        within(10, begins_anew)
+        send("clock", 43)
+        within(5, lambda: told(1003))
         send("level", 3)
         within(5, lambda: heard.of("/level.data") == [2, 3])
         times = [(s.signal, s.time) for s in heard.samples if s.signal != "clock"]
@@ -178,10 +185,47 @@ for line in sys.stdin:
             ("/level.data", 1000 * SECOND + 500),
             ("/warm.temperature", 995 * SECOND + 7),
             ("/warm.temperature", 1000 * SECOND + 500),
-            ("/level.data", 40 * SECOND + 500),
+            ("/level.data", 1003 * SECOND + 500),
         ]
-        assert source.notes["time goes backwards on /clock"] == 1
         assert source.notes["receipt time used for /warm"] == 1
+
+
+def test_simulated_time_that_comes_late(ros: System, live: Ros1) -> None:
+    """80 s of a simulator that is started while one listens are 80 s; /clock counts once use_sim_time is set."""
+    heard = Heard(live, "/level.data")
+    with (
+        Node("/simulator", ros.uri) as node, Publisher(node, "/level", "std_msgs/Float64") as level,
+        Publisher(node, "/clock", "rosgraph_msgs/Clock") as clock,
+    ):  # fmt: skip
+        within(8, lambda: level.subscribers == 1)
+
+        def time_is(seconds: int) -> None:
+            stamp = clock.types["builtin_interfaces/msg/Time"](seconds, 0)
+            clock.publish(clock.types["rosgraph_msgs/msg/Clock"](clock=stamp))
+
+        def level_is(value: float) -> None:
+            level.publish(level.types["std_msgs/msg/Float64"](data=value))
+            within(5, lambda: heard.of("/level.data")[-1:] == [value])
+
+        time_is(100)
+        level_is(1)
+        assert clock.subscribers == 0
+        ros.run("/usr/bin/rosparam", "set", "/use_sim_time", "true")
+        within(25, lambda: clock.subscribers == 1)
+
+        def counts() -> bool:
+            time_is(100)
+            return "/clock does not follow on what was heard before; time goes on from there, by /clock" in live.notes
+
+        within(10, counts)
+        level_is(2)
+        time_is(180)
+        within(5, lambda: heard.samples[-1].time - heard.samples[-2].time > 79 * SECOND)
+        level_is(3)
+    first, second, third = [s.time for s in heard.samples if s.signal == "/level.data"]
+    assert first < second
+    assert third - second == 80 * SECOND
+    assert abs(second - time.time_ns()) < 3600 * SECOND  # on from where it was
 
 
 def test_a_burst_beyond_the_queue_is_counted_to_the_last_message(ros: System) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+import time
 from collections.abc import Callable
 
 from robophm.core.signal import SECOND
@@ -97,17 +98,53 @@ def test_simulated_time_that_jumps_back(peer: Peer, live: LiveSource) -> None:
     within(5, lambda: heard.of("/level.data") == [2])
     peer.tell("temperature warm 995 7 - 1 0", "temperature warm 500 7 - 2 0")
     within(5, lambda: len(heard.of("/warm.temperature")) == 2)
-    time_is(40)
-    peer.tell("float64 w 3")
-    within(5, lambda: heard.of("/level.data") == [2, 3])
+    began_anew = "/clock began anew; time goes on from where it was"
+
+    def begins_anew() -> bool:
+        peer.tell(f"raw clock {cdr('iI', 40, 500)}")
+        return live.notes[began_anew] == 1
+
+    within(10, begins_anew)
+    peer.tell(f"raw clock {cdr('iI', 43, 500)}")
+    within(5, lambda: any(s.time == 1003 * SECOND + 500 and s.signal == "clock" for s in heard.samples))
+    peer.tell("float64 w 3", "temperature warm 42 500 - 3 0")
+    within(5, lambda: heard.of("/level.data") == [2, 3] and len(heard.of("/warm.temperature")) == 3)
     assert [(s.signal, s.time) for s in heard.samples if s.signal != "clock"] == [
         ("/level.data", 1000 * SECOND + 500),
         ("/warm.temperature", 995 * SECOND + 7),
         ("/warm.temperature", 1000 * SECOND + 500),
-        ("/level.data", 40 * SECOND + 500),
+        ("/level.data", 1003 * SECOND + 500),
+        ("/warm.temperature", 1002 * SECOND + 500),
     ]
-    assert live.notes["time goes backwards on /clock"] == 1
     assert live.notes["receipt time used for /warm"] == 1
+
+
+def test_simulated_time_that_comes_late(peer: Peer, live: LiveSource) -> None:
+    """80 s of a simulator that is started while one listens are 80 s, however fast it is."""
+    peer.writer("/level", FLOAT64)
+    published(live, "/level")
+    heard = Heard(live, "/level.data")
+    peer.matched()
+    peer.tell("float64 w 1")
+    within(5, lambda: heard.of("/level.data") == [1])
+    peer.writer("/clock", CLOCK, "besteffort volatile", name="clock")
+    peer.matched(name="clock")
+
+    def counts() -> bool:
+        peer.tell(f"raw clock {cdr('iI', 100, 0)}")
+        return "/clock does not follow on what was heard before; time goes on from there, by /clock" in live.notes
+
+    within(10, counts)
+    peer.tell("float64 w 2")
+    within(5, lambda: heard.of("/level.data") == [1, 2])
+    peer.tell(f"raw clock {cdr('iI', 180, 0)}")
+    within(5, lambda: heard.samples[-1].time - heard.samples[-2].time > 79 * SECOND)
+    peer.tell("float64 w 3")
+    within(5, lambda: heard.of("/level.data") == [1, 2, 3])
+    first, second, third = [s.time for s in heard.samples if s.signal == "/level.data"]
+    assert first < second
+    assert third - second == 80 * SECOND
+    assert abs(second - time.time_ns()) < 3600 * SECOND  # on from where it was
 
 
 def test_a_burst_beyond_the_queue_is_counted_to_the_last_message(peer: Peer, live: LiveSource) -> None:

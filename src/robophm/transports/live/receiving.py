@@ -15,6 +15,7 @@ from robophm.core.errors import SourceError
 from robophm.core.signal import CLOCK, SECOND, Sample, split_signal
 from robophm.transports.live.decoding import LARGE, Numbers, TopicDecoder
 from robophm.transports.live.machine_time import MachineTime
+from robophm.transports.live.simulated_time import SimulatedTime
 from robophm.transports.signals.element_names import Names
 from robophm.transports.signals.incidents import Incidents
 from robophm.transports.signals.source import STAMP_LIMIT, Gap, LiveItem, LiveSource, WholeMessage
@@ -66,21 +67,24 @@ class Receiver:
         self, notes: Incidents, put: Callable[[Sequence[LiveItem]], None], whole: Collection[str], *,
         simulated: bool, known_to: int | None = None,
     ) -> None:  # fmt: skip
-        """``known_to``: the time to which the robot's past is known [ns], if it has one."""
+        """``simulated``: nothing has a time before /clock is heard; otherwise the machine's clock counts until then.
+
+        ``known_to``: the time to which the robot's past is known [ns], if it has one.
+        """
         self.simulated = simulated
-        """Whether receipt is the time of /clock."""
+        """Whether receipt is the time of /clock, once that is heard: it may be published at any time."""
         self.whole = frozenset(whole)
         """Topics whose messages are wanted as they are."""
         self.counts: dict[str, Count] = {}
         self._notes = notes
         self._names = Names(notes, notes.lock)
         self._put = put
-        self._now = 0
-        """The time of /clock; 0 before it is heard."""
         self._told = 0
         """The latest clock sample."""
         self._latest = 0
         self._machine = MachineTime(known_to, notes.add)
+        self._waits = simulated
+        self._clock = SimulatedTime(lambda: known_to if simulated else self._machine.now() or known_to, notes.add)
 
     def messages(self, reading: Decoder, raws: Sequence[bytes], before: int | None) -> int | None:
         """Messages of one publisher have come, one after the other.
@@ -109,7 +113,7 @@ class Receiver:
         if numbers.sequence is not None and before is not None and numbers.sequence > before + 1:
             self.missing(topic, "sequence gap", numbers.sequence - before - 1)
         if not (receipt := self._receipt()):
-            clock = CLOCK_TOPIC if self.simulated else "the machine's clock"
+            clock = CLOCK_TOPIC if self._waits else "the machine's clock"
             self._notes.add(f"before the first time of {clock}, dropped {topic}")
             return numbers.sequence
         if receipt < self._latest:
@@ -120,7 +124,7 @@ class Receiver:
             count = self.counts[topic] = Count(0, receipt, receipt)
         count.messages += 1
         count.last = receipt
-        at = numbers.stamp
+        at = numbers.stamp + self._clock.offset if numbers.stamp else 0
         if at == 0 or not -STAMP_LIMIT <= at - receipt <= AHEAD:
             if numbers.values:
                 self._notes.add(f"receipt time used for {topic}")
@@ -150,19 +154,16 @@ class Receiver:
         """Put a clock sample: silence is heard too."""
         if now := self._receipt():
             self._told = now
-            self._put([Sample(now, CLOCK, math.nan if self.simulated else self._machine.ahead)])
+            self._put([Sample(now, CLOCK, math.nan if self._clock.now else self._machine.ahead)])
 
     def _receipt(self) -> int:
         """The time that what comes now gets; 0 before there is any."""
-        return self._now if self.simulated else self._machine.now()
+        return self._clock.now or (0 if self._waits else self._machine.now())
 
     def _set_clock(self, reading: TopicDecoder, raw: bytes) -> None:
         seconds, nanoseconds = _clock_of(reading.type.decode(raw))
-        now = seconds * SECOND + nanoseconds
-        if now < self._now:
-            self._notes.add(f"time goes backwards on {CLOCK_TOPIC}")
-        self._now = self._latest = now
-        if not 0 <= now - self._told < SECOND:
+        self._clock.hear(seconds * SECOND + nanoseconds)
+        if self._clock.now - self._told >= SECOND:
             self.tell()
 
 

@@ -72,6 +72,13 @@ class Node:
         """Return the master's answer to a call. Raises PeerError as ``call``."""
         return call(self.place.master, method, self.name, *arguments)
 
+    def simulated(self) -> bool:
+        """Return whether the parameter use_sim_time says that time is that of /clock."""
+        try:
+            return self.ask("getParam", "/use_sim_time") is True
+        except PeerError:  # it is not set
+            return False
+
     def subscribe(self, topic: str, heard: Callable[[list[str]], None]) -> None:
         """Tell who publishes the topic, whenever it may have changed; from another thread."""
         self.subscribed[topic] = heard

@@ -134,11 +134,7 @@ class Ros1(ListeningSource):
         node.loop.tick = self._tick
         node.loop.served = queue.hand_on
         node.told_to_end = queue.end
-        try:
-            simulated = node.ask("getParam", "/use_sim_time") is True
-        except PeerError:  # it is not set
-            simulated = False
-        hearing = Receiver(self.notes, queue.put, topics, simulated=simulated, known_to=self.known_to)
+        hearing = Receiver(self.notes, queue.put, topics, simulated=node.simulated(), known_to=self.known_to)
         listening = Subscription(node, wanted, hearing)
         run = Run(queue, hearing, listening, node)
         self._begin(run)

@@ -45,8 +45,7 @@ class Subscription:
         self._notes = node.notes
         self._wanted = dict.fromkeys(hearing.whole, ()) | dict(wanted)
         self._hearing = hearing
-        if hearing.simulated:
-            self._wanted.setdefault(CLOCK_TOPIC, ())
+        self._wanted.setdefault(CLOCK_TOPIC, ())  # use_sim_time may be set later
         self._publishers: dict[str, list[str]] = {}
         self._streams: dict[tuple[str, str], Stream] = {}
         self._connecting: set[tuple[str, str]] = set()
@@ -109,6 +108,11 @@ class Subscription:
 
     def _connect(self, topic: str, uri: str) -> None:
         """Connect in a thread of the pool: this may take its time."""
+        if topic == CLOCK_TOPIC and not self._hearing.simulated:
+            if not self._node.simulated():  # then nobody goes by it; asked again later
+                self._node.loop.post(lambda: self._not_now((topic, uri)))
+                return
+            self._hearing.simulated = True
         try:
             connection, header = connect(self._node.name, topic, uri)
             try:
@@ -130,6 +134,9 @@ class Subscription:
         self._notes.add(f"{error.kind} on {topic}")
         if self.mistake is None and isinstance(error, TypeRefusedError):
             self.mistake = error
+        self._not_now(key)
+
+    def _not_now(self, key: tuple[str, str]) -> None:
         self._connecting.discard(key)
         self._failed(key)
         self._settle()

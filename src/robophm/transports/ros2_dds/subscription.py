@@ -50,8 +50,7 @@ class Subscription(threading.Thread):
         self._notes = node.notes
         self._hearing = hearing
         all_wanted = dict.fromkeys(hearing.whole, ()) | dict(wanted)
-        if hearing.simulated:
-            all_wanted.setdefault(CLOCK_TOPIC, ())
+        all_wanted.setdefault(CLOCK_TOPIC, ())  # it may be published later
         self._wanted = {f"rt{topic}": (topic, signals) for topic, signals in all_wanted.items()}
         self._every = tick
         self._graph = node.graph
@@ -183,6 +182,8 @@ class Subscription(threading.Thread):
             self._notes.add(f"subscribed again to {topic}, for a publisher that offers less")
         found = self._definition(topic, offers[0])
         assert isinstance(found, Definition)
+        if topic == CLOCK_TOPIC:
+            self._hearing.simulated = True
         reader = self._graph.reader(self._node.name, f"rt{topic}", found, reliable=reliable, latched=latched)
         self._waiting.add(reader.entity)
         self._ears[topic, hash_] = TopicReader(reader, reading, reliable, latched)
