@@ -190,13 +190,16 @@ for line in sys.stdin:
         assert source.notes["receipt time used for /warm"] == 1
 
 
-def test_simulated_time_that_comes_late(ros: System, live: Ros1) -> None:
+def test_simulated_time_that_comes_late(system: System) -> None:
     """80 s of a simulator that is started while one listens are 80 s; /clock counts once use_sim_time is set."""
-    heard = Heard(live, "/level.data")
+    system.start_master()
     with (
-        Node("/simulator", ros.uri) as node, Publisher(node, "/level", "std_msgs/Float64") as level,
+        Ros1(system.uri) as live,
+        Node("/simulator", system.uri) as node,
+        Publisher(node, "/level", "std_msgs/Float64") as level,
         Publisher(node, "/clock", "rosgraph_msgs/Clock") as clock,
-    ):  # fmt: skip
+    ):
+        heard = Heard(live, "/level.data")
         within(8, lambda: level.subscribers == 1)
 
         def time_is(seconds: int) -> None:
@@ -210,7 +213,7 @@ def test_simulated_time_that_comes_late(ros: System, live: Ros1) -> None:
         time_is(100)
         level_is(1)
         assert clock.subscribers == 0
-        ros.run("/usr/bin/rosparam", "set", "/use_sim_time", "true")
+        system.run("/usr/bin/rosparam", "set", "/use_sim_time", "true")
         within(25, lambda: clock.subscribers == 1)
 
         def counts() -> bool:
