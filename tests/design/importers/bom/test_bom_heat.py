@@ -32,7 +32,7 @@ TAKES_NO_TEMPERATURE = {
 def imported(shared, tmp_path, name, temperature="40 degC"):
     design = tmp_path / "robot.yaml"
     design.write_text(BOARD, encoding="utf-8")
-    assumed = Assumptions(temperature=temperature)
+    assumed = Assumptions(temperature=temperature, quality="commercial")
     return import_bom(shared / "boms" / name, design, assumptions=assumed, module=["Board"])
 
 

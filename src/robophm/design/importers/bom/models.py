@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 
 from robophm.core.errors import ModelError, UnitError, nearest
+from robophm.core.spread import Spread
 from robophm.design.importers.bom.assumptions import Assumptions, TooLittle
 from robophm.design.importers.bom.kinds import DEVICE, is_guess
 from robophm.design.importers.bom.parts import Recognised
 from robophm.design.importers.bom.rules import RULES
 from robophm.hazard.handbooks import handbook_model
 from robophm.hazard.model import Array, Choice
-from robophm.hazard.qualities import QUALITIES, level
+from robophm.hazard.qualities import QUALITIES, UNKNOWN, level, spread_of_unknown
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,8 @@ class Rating:
     assumed: Mapping[str, str]
     """Inputs that the list does not say, and why they are what they are."""
     settled: Mapping[str, str | float]
+    spread: Spread | None = None
+    """The factor that a quality of the board that is unknown leaves open; None where it leaves none."""
 
 
 BEYOND = {
@@ -46,7 +49,7 @@ class Rater:
 
     def __init__(self, assumed: Assumptions) -> None:
         self.assumed = assumed
-        self.settled: dict[tuple[str, ...], dict[str, str | float]] = {}
+        self.settled: dict[tuple[str, ...], tuple[dict[str, str | float], Spread | None]] = {}
         models = [handbook_model(name) for name in dict.fromkeys(rule.model for rule in RULES.values())]
         levels = [choice for model in models if isinstance(choice := model.inputs.get("quality"), Choice)]
         board = assumed.quality and assumed.quality.casefold() in QUALITIES
@@ -82,14 +85,19 @@ class Rater:
                 given["environment"] = self.assumed.environment
             key = (rule.model, *(f"{name}={text}" for name, text in given.items()))
             if key not in self.settled:
-                self.settled[key] = model.settle(given)
-            return Rating(rule.model, inputs, assumed, self.settled[key])
+                settled = model.settle(given)
+                unknown = board == UNKNOWN and "quality" not in inputs
+                self.settled[key] = settled, spread_of_unknown(model, settled) if unknown else None
+            return Rating(rule.model, inputs, assumed, *self.settled[key])
         except (ModelError, UnitError) as error:
             raise TooLittle(str(error)) from None
 
 
 def rates(ratings: Sequence[Rating]) -> Array:
-    """The hazard rate of one part of each [1/h]; parts that share a model and its words are rated at once."""
+    """The hazard rate of one part of each [1/h]; parts that share a model and its words are rated at once.
+
+    Where the quality is unknown it is the mean of what the rate may be.
+    """
     result = np.zeros(len(ratings))
     groups: dict[tuple[Any, ...], list[int]] = defaultdict(list)
     for i, rating in enumerate(ratings):
@@ -101,6 +109,7 @@ def rates(ratings: Sequence[Rating]) -> Array:
             key: value if isinstance(value, str) else _column(ratings, members, key) for key, value in first.items()
         }
         result[members] = handbook_model(name).evaluate(inputs).value
+    result *= [one.spread.mean if one.spread else 1.0 for one in ratings]
     return result
 
 
