@@ -66,10 +66,11 @@ def state_of_knowledge(robot: Robot, mode: FailureMode) -> str:
     Kaplan, Reliability Engineering 2, 1981). So it is where one of them works more than another and has a
     higher rate as stated: what is shared is the factor by which the entry is off.
     """
-    if mode.evidence or not graded(mode.source):
+    entry = graded(mode.source)
+    if mode.evidence or not entry:
         return mode.origin
     name = mode.origin.removeprefix(robot.part_of(mode))  # of the mode in its part; "" where that has one alone
-    return f"{mode.source} {mode.clock} {name}"
+    return f"{entry} {mode.clock} {name}"
 
 
 def _ratio(uncertainty: Uncertainty, level: Array) -> Array:

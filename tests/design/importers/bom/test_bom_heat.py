@@ -22,7 +22,7 @@ modules:
       Fan: {mtbf: 50000 h}
 """
 TAKES_NO_TEMPERATURE = {
-    "general.mtbf": "a figure of the library's",
+    "": "an entry of the library",
     "mil_hdbk_217f.crystal": "§19.1 has none",
     "mil_hdbk_217f.filter": "§21.1 has none",
     "mil_hdbk_217f.fuse": "§22.1 has none",

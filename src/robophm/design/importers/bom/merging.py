@@ -16,6 +16,7 @@ from robophm.design.edited_text import EditedText, child, is_alias, plain, scala
 from robophm.design.importers.bom.component import (
     ASSUMED,
     NEEDS,
+    RATED_BY,
     Content,
     Wanted,
     content,
@@ -146,7 +147,7 @@ class Level:
                 taken.add(name)
                 added.append((name, part))
                 result.outcomes.append(Outcome("added", name) if part.rating else _needs(name, part))
-            elif part.rating is None and not old.edited and "hazard" in old.said and old.name in drawn:
+            elif part.rating is None and not old.edited and "rate" not in old.said and old.name in drawn:
                 text = f"stays as it was, for it stands in a diagram, but {part.needs}"
                 result.outcomes.append(Outcome("kept", old.name, text))
             else:
@@ -235,7 +236,7 @@ class Level:
                     self._update_hazard(old, found, part.rating)
                 else:
                     self.design.replace(old.node, key, line(key, value), ASSUMED)
-        before = "hazard" if "hazard" in old.said else "rate"
+        before = next((key for key in RATED_BY if key in old.said), "rate")
         if before not in new or (part.rating is None and self.design.remarked(old.node, before, NEEDS)):
             there = child(old.node, before)
             pad = " " * there[0].start_mark.column if there else ""

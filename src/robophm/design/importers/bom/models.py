@@ -12,12 +12,15 @@ import numpy as np
 from robophm.core.errors import ModelError, UnitError, nearest
 from robophm.core.spread import Spread
 from robophm.design.importers.bom.assumptions import Assumptions, TooLittle
+from robophm.design.importers.bom.by_library import of_library, stated_rate
 from robophm.design.importers.bom.kinds import DEVICE, is_guess
 from robophm.design.importers.bom.parts import Recognised
 from robophm.design.importers.bom.rules import RULES
 from robophm.hazard.handbooks import handbook_model
 from robophm.hazard.model import Array, Choice
 from robophm.hazard.qualities import QUALITIES, UNKNOWN, level, spread_of_unknown
+from robophm.parts import Entry
+from robophm.parts import part as library_part
 
 
 @dataclass(frozen=True)
@@ -25,12 +28,20 @@ class Rating:
     """A model and its inputs, as the design has them, and settled for evaluation."""
 
     model: str
+    """Name of its hazard model; "" where it is rated as an entry of the library of parts."""
     inputs: Mapping[str, str]
     assumed: Mapping[str, str]
     """Inputs that the list does not say, and why they are what they are."""
     settled: Mapping[str, str | float]
     spread: Spread | None = None
     """The factor that a quality of the board that is unknown leaves open; None where it leaves none."""
+    entry: Entry | None = None
+    """The entry of the library that it is rated as; None where a model rates it."""
+
+    @property
+    def by(self) -> str:
+        """Return the name of the model that rates it, or "part: name" of an entry of the library."""
+        return f"part: {self.entry.name}" if self.entry else self.model
 
 
 BEYOND = {
@@ -63,6 +74,9 @@ class Rater:
             raise TooLittle("what kind of part it is, is not clear from its reference and words")
         if part.kind in BEYOND:
             raise TooLittle(BEYOND[part.kind])
+        if found := of_library(part):
+            name, why = found
+            return Rating("", {"part": name}, {"part": why}, {}, entry=library_part(name))
         if part.kind not in RULES:
             raise TooLittle(f"no handbook has a model of a {part.kind}")
         rule = RULES[part.kind]
@@ -101,6 +115,9 @@ def rates(ratings: Sequence[Rating]) -> Array:
     result = np.zeros(len(ratings))
     groups: dict[tuple[Any, ...], list[int]] = defaultdict(list)
     for i, rating in enumerate(ratings):
+        if rating.entry:
+            result[i] = stated_rate(rating.entry)
+            continue
         words = ((name, value if isinstance(value, str) else None) for name, value in rating.settled.items())
         groups[(rating.model, *words)].append(i)
     for (name, *_), members in groups.items():
