@@ -72,7 +72,7 @@ def test_the_quality_of_a_board_is_inherited_and_the_parts_own_wins():
 
 def test_words_of_a_board():
     assert quality(" Known-Pedigree ") == "known pedigree"
-    assert set(QUALITIES) == {"commercial", "known pedigree", "military"}
+    assert set(QUALITIES) == {"commercial", "known pedigree", "military", "unknown"}
     with pytest.raises(ModelError, match=r"'comercial' is no quality of a whole board; did you mean 'commercial'"):
         quality("comercial")
     found = answer(

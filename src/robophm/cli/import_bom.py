@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -13,12 +13,22 @@ from robophm.cli.shared.options import Json
 from robophm.cli.shared.output import console, may_write, print_json, print_table, table, warn, write
 from robophm.core.errors import RobophmError
 from robophm.design.file import replace_text
-from robophm.design.importers.bom import ImportedList, ImportedPart, assumed_inputs, by_kind, import_bom, total_rate
+from robophm.design.importers.bom import (
+    ImportedList,
+    ImportedPart,
+    assumed_inputs,
+    by_kind,
+    import_bom,
+    rate_range,
+    total_rate,
+)
 from robophm.design.importers.bom.assumptions import OF_ALL, Assumptions
 from robophm.design.importers.bom.columns import ColumnMapping, mapping_text, parse_mapping
 from robophm.design.importers.bom.merging import State
 from robophm.hazard.environments import explained
-from robophm.report.words import rate_text
+from robophm.hazard.qualities import UNKNOWN
+from robophm.report.surroundings import rates_by_quality
+from robophm.report.words import number_text, rate_text
 
 COUNTED: tuple[State, ...] = ("added", "changed", "unchanged", "kept")
 CHANGED: tuple[State, ...] = ("changed", "kept")
@@ -117,6 +127,7 @@ def _document(found: ImportedList, source: Path, design: Path, wishes: Wishes) -
             for name, values in assumed_inputs(of).items()
         ],
         "hazard_rate": total_rate(found.parts),
+        "hazard_rate_by_quality": dict(zip(("low", "high"), rate_range(found.parts), strict=True)),
         "parts": [_part(one) for one in found.parts],
         "removed": [asdict(one) for one in found.removed],
         "errors": [asdict(one) for one in parts.errors],
@@ -138,7 +149,8 @@ def _part(one: ImportedPart) -> dict[str, Any]:
         "kind_by": one.part.recognised.concluded.get("kind", "its words and letters"),
         "guess": one.guess,
         "facts": dict(one.part.recognised.facts),
-        "model": rating.model if rating else None,
+        "model": (rating.model or None) if rating else None,
+        "part": rating.entry.name if rating and rating.entry else None,
         "inputs": dict(rating.inputs) if rating else None,
         "assumed": dict(rating.assumed) if rating else {},
         "hazard_rate": one.hazard_rate,
@@ -188,9 +200,11 @@ def _print(found: ImportedList, source: Path, design: Path, wishes: Wishes) -> N
     needing = len(found.of_state("needs a rate"))
     written = "nothing written (dry run)" if wishes.dry_run else str(design)
     guessed = f", of which {rate_text(total_rate(guesses))} is guessed by letters alone" if guesses else ""
+    if of_all.board_quality == UNKNOWN:
+        out.print(f"nobody has said its quality: λ is {rates_by_quality(*rate_range(found.parts))}", markup=False)
     out.print(
         f"{written}: {counts}, {gone} removed; {needing} need a rate; "
-        f"λ {'at least ' if needing else ''}{rate_text(total_rate(found.parts))}{guessed}",
+        f"λ {'at least ' if needing else ''}{_rates(found.parts)}{guessed}",
         markup=False,
     )
 
@@ -199,8 +213,12 @@ def _outcomes(found: ImportedList, state: State) -> list[str]:
     return [f"{one.outcome.name}: {one.outcome.text}" for one in found.of_state(state)]
 
 
-def _rates(parts: list[ImportedPart]) -> str:
-    return rate_text(total_rate(parts)) if any(one.hazard_rate is not None for one in parts) else "–"
+def _rates(parts: Sequence[ImportedPart]) -> str:
+    """What the parts may fail by: a range where their quality is unknown."""
+    if all(one.hazard_rate is None for one in parts):
+        return "–"
+    low, high = rate_range(parts)
+    return rate_text(total_rate(parts)) if low == high else f"{number_text(low)} … {rate_text(high)}"
 
 
 def _assumed_in_words(parts: Iterable[ImportedPart]) -> str:

@@ -192,7 +192,8 @@ class DiagramBuilder:
                 raise LocatedError(place, f"{mode.path}: scaling 'hazard' in a group of parts; expected 'age'")
             if mode.uncertainty:
                 raise LocatedError(
-                    place, f"{mode.path}: 'uncertainty' in a group of parts; expected a rate that is exact"
+                    place,
+                    f"{mode.path}: 'uncertainty' or an unknown quality in a group; expected an exact rate",
                 )
         return block
 

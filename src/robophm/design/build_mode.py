@@ -5,23 +5,35 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Literal
 
 from robophm.core.errors import ModelError, RobophmError, UnitError
 from robophm.core.signal import SECOND, signal_name
+from robophm.core.spread import Spread
 from robophm.core.units import conversion
 from robophm.design import schema
 from robophm.design.build_life import ABOVE_ZERO, TENTHS, build_life, figure_of, key_of_figure, plug
 from robophm.design.build_wear import build_wear
 from robophm.design.located_error import LocatedError, Path, quantity_at
-from robophm.design.robot import CLOCK_UNITS, UNKNOWN, Evidence, FailureMode, MeasuredClock, Stress, Uncertainty
+from robophm.design.references import place_of
+from robophm.design.robot import (
+    CLOCK_UNITS,
+    UNKNOWN,
+    Evidence,
+    FailureMode,
+    MeasuredClock,
+    Stress,
+    Uncertainty,
+    UnknownQuality,
+)
 from robophm.design.scope import Scope
 from robophm.design.sensor_inputs import ChannelBuilder, drivers
+from robophm.hazard import qualities
 from robophm.hazard.acceleration import PER_CYCLE, acceleration_model, stress_inputs
 from robophm.hazard.formula import formula_model
 from robophm.hazard.handbooks import handbook_model
 from robophm.hazard.model import Model, Range
-from robophm.hazard.qualities import level
 from robophm.life._never import Never
 
 
@@ -32,6 +44,7 @@ class ModeBuilder:
         self.usage = usage
         self.driving = driving
         self.stresses: dict[str, Stress] = {}
+        self.spreads: dict[int, Spread | None] = {}  # by the identity of a stress
         self.notes: list[str] = []
 
     def mode(
@@ -49,8 +62,9 @@ class ModeBuilder:
                 f"{hazard.model.name} gives {hazard.model.unit}, but its clock '{mode.clock}' counts {clock_unit}",
             )
         figure: tuple[str, float] | None = None
+        quality = self._unknown_quality(mode.hazard, hazard, scope) if mode.hazard and hazard else None
         if hazard:
-            figure = "hazard", self._rate_of(place, hazard)
+            figure = "hazard", self._rate_of(place, hazard) * (quality.mean if quality else 1.0)
         elif key:
             figure = key, figure_of(place, mode, key, clock_unit)
         factor = mode.learned.factor if mode.learned else 1.0
@@ -80,6 +94,9 @@ class ModeBuilder:
                 )
         measured = scope.clocks.get(mode.clock)
         stated = self._uncertainty(place, mode, rate / factor, f"1/{clock_unit}", scope)
+        if quality and scope.quality:
+            unknown = UnknownQuality(place_of(scope.quality[0]), quality.error_factor)
+            stated = replace(stated or Uncertainty(), quality=unknown)
         return FailureMode(
             "/".join(path), rate, life, mode.clock, self.measured_clock(mode.clock, *measured) if measured else None,
             mode.scaling, initial, (hazard, *stresses) if hazard else stresses, mode.source or self._said_source(mode),
@@ -144,8 +161,8 @@ class ModeBuilder:
         inputs: dict[str, object] = dict(hazard.inputs)
         if "environment" in model.inputs and scope.environment and "environment" not in inputs:
             inputs["environment"] = scope.environment
-        said = inputs.get("quality", scope.quality)
-        if said is not None and (known := level(model, str(said), inputs)):
+        said = inputs.get("quality", scope.quality[1] if scope.quality else None)
+        if said is not None and (known := qualities.level(model, str(said), inputs)):
             inputs["quality"] = known
         # a board has hundreds of equal parts: what is stated and measured alike is one stress; as it is written,
         # since 1 and True are equal and the second is no number
@@ -153,6 +170,15 @@ class ModeBuilder:
         if key not in self.stresses:
             self.stresses[key] = self._stress((*place, "inputs"), model, inputs, part, scope)
         return self.stresses[key]
+
+    def _unknown_quality(self, said: schema.Hazard, hazard: Stress, scope: Scope) -> Spread | None:
+        """The factor that an unknown quality leaves open; None where the quality is stated, or none is asked for."""
+        stated = said.formula is not None or "quality" in said.inputs
+        if stated or scope.quality is None or scope.quality[1] != qualities.UNKNOWN:
+            return None
+        if id(hazard) not in self.spreads:
+            self.spreads[id(hazard)] = qualities.spread_of_unknown(hazard.model, hazard.design)
+        return self.spreads[id(hazard)]
 
     @staticmethod
     def _formula(place: Path, hazard: schema.Hazard, clock_unit: str) -> Model:

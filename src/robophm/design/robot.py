@@ -117,8 +117,18 @@ class Stress:
 
 
 @dataclass(frozen=True)
+class UnknownQuality:
+    """How far an unknown quality leaves the rate of a part open: the same unknown for all parts of its level."""
+
+    level: str
+    """Path of the level that states the quality as unknown; "" for the robot."""
+    error_factor: float
+    """Lognormal of mean 1: 95th percentile over the median."""
+
+
+@dataclass(frozen=True)
 class Uncertainty:
-    """The uncertainty of a rate, as a distribution of its ratio to the stated rate."""
+    """The uncertainty of a rate, as a distribution of its ratio to the stated rate: at most one of the first three."""
 
     error_factor: float | None = None
     """Lognormal of mean 1: 95th percentile over the median."""
@@ -126,6 +136,8 @@ class Uncertainty:
     """Gamma of mean 1 and this shape."""
     samples: tuple[float, ...] | None = None
     """Equally likely ratios to the stated rate."""
+    quality: UnknownQuality | None = None
+    """A further factor, by an unknown quality; None: it is stated, or makes no difference."""
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ class Scope:
     uncertainty: tuple[Path, schema.Uncertainty] | None = None
     duty: float = 1.0
     ambient: Ambient | None = None
-    quality: str | None = None
+    quality: tuple[Path, str] | None = None
     identity: str = ""
     """Path under which the past of what is here is kept; "" for the robot, whose parts' paths begin below it."""
 
@@ -37,7 +37,7 @@ class Scope:
             ((*place, "uncertainty"), level.uncertainty) if level.uncertainty else self.uncertainty,
             self.duty if level.duty is None else level.duty,
             self.ambient if isinstance(level, schema.Component) else ambient_of(place, level, self.ambient),
-            level.quality or self.quality,
+            (place, level.quality) if level.quality else self.quality,
             identity,
         )
 

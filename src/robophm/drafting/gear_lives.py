@@ -11,11 +11,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
-from scipy.special import ndtri
-
+from robophm.core.spread import Spread
 from robophm.core.units import quantity
 from robophm.design.draft import DraftPart
 from robophm.drafting.bindings import RATED_SHARE, RATED_SHARES
@@ -46,26 +45,6 @@ Half of it is left where the gear was chosen with a safety factor of two.
 
 STANDS_STILL = 0.01
 """The share of its limit below which the mean speed of a joint says that it hardly worked while it was recorded."""
-
-_PLACE_OF_95 = float(ndtri(0.95))
-
-
-@dataclass(frozen=True)
-class Spread:
-    """A factor of a hazard rate that is known within two ends, 5 and 95 % of a lognormal distribution."""
-
-    low: float
-    high: float
-
-    @property
-    def deviation(self) -> float:
-        """The standard deviation of the logarithm of the factor."""
-        return math.log(self.high / self.low) / (2 * _PLACE_OF_95)
-
-    @property
-    def mean(self) -> float:
-        """The mean of the factor, which is what a design states of an uncertain rate."""
-        return math.sqrt(self.low * self.high) * math.exp(self.deviation**2 / 2)
 
 
 def at_work(parts: Sequence[DraftPart], seen: Seen) -> list[DraftPart]:
@@ -98,7 +77,7 @@ def _at_work(one: DraftPart, entry: Entry, seen: Seen) -> DraftPart:
             said.append(f"its cubic mean torque {MEAN_TORQUE[0]:.0%} to {MEAN_TORQUE[1]:.0%} of the rated one")
     factor = math.prod(spread.mean for spread in spreads)
     own = _error_factor(entry.part)
-    error = math.exp(math.hypot(math.log(own), *(_PLACE_OF_95 * spread.deviation for spread in spreads)))
+    error = math.exp(math.hypot(math.log(own), *(math.log(spread.error_factor) for spread in spreads)))
     grade = max(entry.grade, "B" if recorded else "C")
     life = {
         "l10": f"{round(quantity(entry.part['l10'], 'h') / factor)} h",

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 
 from robophm.core.errors import ModelError, nearest
+from robophm.core.spread import Spread
 from robophm.core.table import Source
 from robophm.hazard.model import Choice, Model
 
@@ -16,12 +17,17 @@ VITA = Source(
     "single source: a public program's account of its rules; the standard's own text was not to be had",
 )
 
+UNKNOWN = "unknown"
+"""The word for a quality that nobody knows."""
+
 QUALITIES: Mapping[str, str] = {
     "commercial": "as anybody buys them: the handbook's commercial, plastic or lowest level, with up to ten times "
     "the rate of its military one; it is of 1995, and pessimistic",
     "known pedigree": "commercial, of known makers and through known hands, so that none is counterfeit: by ANSI/VITA "
     "51.1 as good as military ones, and chip resistors, ceramic chip and solid tantalum capacitors ten times as good",
     "military": "by military specification and qualified to it",
+    UNKNOWN: "nobody has said how they were bought: between known pedigree and commercial, taken as 5 and 95 % of "
+    "what the rate may be, for all parts of the board alike",
 }
 """The words for the quality of all parts of a robot or board, each with its meaning."""
 
@@ -66,6 +72,18 @@ def level(model: Model, said: str, inputs: Mapping[str, object]) -> str | None:
         if isinstance(style, Choice) and style.option(str(inputs.get("style"))) in _TEN_TIMES.get(model.name, ()):
             return "R"
     return next((option for option in _MILITARY if option in choices.options), None)
+
+
+def spread_of_unknown(model: Model, settled: Mapping[str, str | float]) -> Spread | None:
+    """The factor of a rate, at the level of settled inputs, that an unknown quality leaves open.
+
+    Its ends are the model's rates of known pedigree and of that level; None where the model has but one of the two.
+    """
+    best, here = level(model, "known pedigree", settled), settled.get("quality")
+    if best is None or best == here:
+        return None
+    factor = float(model.evaluate({**settled, "quality": best}).value / model.evaluate(settled).value)
+    return Spread(min(factor, 1.0), max(factor, 1.0)) if factor != 1.0 else None
 
 
 def explained(said: str) -> str:

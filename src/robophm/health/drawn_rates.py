@@ -20,14 +20,42 @@ def draw_rates(plant: Plant, count: int, seed: int) -> Array:
 
     Each is drawn evenly from its distribution (McKay, Beckman and Conover 1979) and on its own: another part in the
     design changes nothing. What a common cause takes from a part has that part's rate; parts of one entry of the
-    library have one (``state_of_knowledge``).
+    library have one (``state_of_knowledge``), and parts of one level share how good they are (``draw_qualities``).
     """
-    ratios = np.ones((len(plant.robot.modes), count))
+    ratios = draw_qualities(plant, count, seed)
     for i, mode in enumerate(plant.robot.modes):
         if mode.uncertainty:
-            random = np.random.default_rng([seed, *state_of_knowledge(plant.robot, mode).encode()])
-            ratios[i] = _ratio(mode.uncertainty, (random.permutation(count) + random.random(count)) / count)
+            level = _levels(state_of_knowledge(plant.robot, mode), count, seed)
+            ratios[i] *= _ratio(mode.uncertainty, level)
     return ratios
+
+
+def draw_qualities(plant: Plant, count: int, seed: int) -> Array:
+    """Return the factors that unknown qualities make of each mode's rate; shape (modes, count), each row of mean 1.
+
+    A board is bought as a whole: in one draw all its parts are as near to the best as they may be.
+    """
+    ratios = np.ones((len(plant.robot.modes), count))
+    boards: dict[str, Array] = {}
+    for i, mode in enumerate(plant.robot.modes):
+        if mode.uncertainty and (quality := mode.uncertainty.quality):
+            if quality.level not in boards:
+                boards[quality.level] = _levels(f"quality of {quality.level}", count, seed)
+            ratios[i] = _lognormal(quality.error_factor, boards[quality.level])
+    return ratios
+
+
+def _levels(key: str, count: int, seed: int) -> Array:
+    """Evenly drawn probabilities of one unknown, in an order of its own."""
+    random = np.random.default_rng([seed, *key.encode()])
+    drawn: Array = (random.permutation(count) + random.random(count)) / count
+    return drawn
+
+
+def drawn_together(robot: Robot, mode: FailureMode) -> str:
+    """A key of the rates that share any unknown: of one level of unknown quality, else of one state of knowledge."""
+    quality = mode.uncertainty.quality if mode.uncertainty else None
+    return f"quality of {quality.level}" if quality else state_of_knowledge(robot, mode)
 
 
 def state_of_knowledge(robot: Robot, mode: FailureMode) -> str:
@@ -38,20 +66,27 @@ def state_of_knowledge(robot: Robot, mode: FailureMode) -> str:
     Kaplan, Reliability Engineering 2, 1981). So it is where one of them works more than another and has a
     higher rate as stated: what is shared is the factor by which the entry is off.
     """
-    if mode.evidence or not graded(mode.source):
+    entry = graded(mode.source)
+    if mode.evidence or not entry:
         return mode.origin
     name = mode.origin.removeprefix(robot.part_of(mode))  # of the mode in its part; "" where that has one alone
-    return f"{mode.source} {mode.clock} {name}"
+    return f"{entry} {mode.clock} {name}"
 
 
 def _ratio(uncertainty: Uncertainty, level: Array) -> Array:
-    """The quantiles at these levels."""
+    """The quantiles at these levels, but for what an unknown quality makes of it."""
     if uncertainty.error_factor is not None:
-        deviation = math.log(uncertainty.error_factor) / ndtri(0.95)
-        result: Array = np.exp(deviation * ndtri(level) - deviation**2 / 2)
-    elif uncertainty.failures is not None:
+        return _lognormal(uncertainty.error_factor, level)
+    result: Array = np.ones_like(level)
+    if uncertainty.failures is not None:
         result = gammaincinv(uncertainty.failures, level) / uncertainty.failures
-    else:
+    elif uncertainty.samples is not None:
         samples = np.array(uncertainty.samples)
         result = samples[(level * len(samples)).astype(int)]
+    return result
+
+
+def _lognormal(error_factor: float, level: Array) -> Array:
+    deviation = math.log(error_factor) / ndtri(0.95)
+    result: Array = np.exp(deviation * ndtri(level) - deviation**2 / 2)
     return result

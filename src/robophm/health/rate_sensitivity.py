@@ -18,7 +18,8 @@ import numpy.typing as npt
 from robophm.blocks.diagram import Block
 from robophm.design.robot import Component
 from robophm.design.task import Leg, Task
-from robophm.health.drawn_rates import draw_rates
+from robophm.health.drawn_rates import draw_qualities, draw_rates
+from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.uncertainty import (
     DRAWS,
@@ -71,6 +72,8 @@ class LargestUnknown:
     """Several where they are of one entry of the library: who learns of one learns of all."""
     entry: str
     """The entry of the library of parts, with its grade; "" where the rate is from elsewhere."""
+    quality_of: str | None
+    """The path of the level whose quality alone would be known; None where the rate itself would be."""
     if_known: Ranges
     left: float
     """How wide the ranges would still be, as a share of what they are."""
@@ -96,14 +99,22 @@ def largest_unknowns(
         told = _told(outlook, task, ratios)
         first = sorted(unsure, key=lambda key: -float(sum(told[row] for row in unsure[key])))[:MOST_TRIED]
         unsure = {key: unsure[key] for key in first}
-    found = []
+    found: list[tuple[list[int], str, str | None, Array]] = []
+    qualities = draw_qualities(plant, draws, seed)
     for (entry, _), rows in unsure.items():
         known = ratios.copy()
         known[rows] = 1.0
+        found.append((rows, entry, None, known))
+    for board, rows in _unknown_qualities(plant).items():
+        known = ratios.copy()
+        known[rows] /= qualities[rows]
+        found.append((rows, "", board, known))
+    narrowed = []
+    for rows, entry, level, known in found:
         if_known = _ranges(outlook, diagram, task, known)
         parts = tuple(plant.components[i] for i in dict.fromkeys(plant.part[rows].tolist()))
-        found.append(LargestUnknown(parts, entry, if_known, if_known.as_wide_as(now)))
-    return sorted((one for one in found if one.left < 1.0), key=lambda one: one.left)[:most]
+        narrowed.append(LargestUnknown(parts, entry, level, if_known, if_known.as_wide_as(now)))
+    return sorted((one for one in narrowed if one.left < 1.0), key=lambda one: one.left)[:most]
 
 
 def _unsure(outlook: Outlook, ratios: Array) -> dict[tuple[str, int], list[int]]:
@@ -113,6 +124,15 @@ def _unsure(outlook: Outlook, ratios: Array) -> dict[tuple[str, int], list[int]]
     for row in np.flatnonzero(np.ptp(ratios, axis=1) > 0).tolist():
         entry = graded(plant.robot.modes[row].source)
         found[entry, -1 if entry else int(plant.part[row])].append(row)
+    return found
+
+
+def _unknown_qualities(plant: Plant) -> dict[str, list[int]]:
+    """The failure modes by the level whose quality is unknown."""
+    found = defaultdict(list)
+    for row, mode in enumerate(plant.robot.modes):
+        if mode.uncertainty and mode.uncertainty.quality:
+            found[mode.uncertainty.quality.level].append(row)
     return found
 
 

@@ -21,7 +21,7 @@ from scipy.sparse import csr_array
 from robophm.blocks.diagram import Block
 from robophm.core.waiting_time import Curve, time_at
 from robophm.design.task import Task
-from robophm.health.drawn_rates import draw_rates, state_of_knowledge
+from robophm.health.drawn_rates import draw_rates, drawn_together
 from robophm.health.future import Future
 from robophm.health.ledger import Ledger, Step
 from robophm.health.mission import Completion, needed_now, needs, planned
@@ -339,7 +339,7 @@ class DrawnRates:
             same_rate: dict[str, list[int]] = defaultdict(list)
             robot = outlook.plant.robot
             for i in np.flatnonzero(np.ptp(ratios, axis=1) > 0).tolist():
-                same_rate[state_of_knowledge(robot, robot.modes[m[i]])].append(i)
+                same_rate[drawn_together(robot, robot.modes[m[i]])].append(i)
             for modes in same_rate.values():
                 chosen = _resampled(evidence[modes].sum(axis=0))
                 for rows in (ratios, lived, unseen):

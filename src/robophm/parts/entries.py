@@ -30,6 +30,7 @@ _NEEDED = tuple(key for key in _KEYS if key != "reasoning")
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 _GROUP = "robophm.parts"
 _ORIGIN = "library: "
+_GRADED = re.compile(rf"(?:^|; ){_ORIGIN}([a-z0-9_]+, grade [ABC]): ")
 
 Place = tuple[str, ...]
 
@@ -66,7 +67,8 @@ class Entry:
 
 def graded(source: str) -> str:
     """Return the entry and grade of a rate's source, "lidar_2d, grade A"; "" where it is not of the library."""
-    return source.removeprefix(_ORIGIN).partition(": ")[0] if source.startswith(_ORIGIN) else ""
+    found = _GRADED.search(source)
+    return found[1] if found else ""
 
 
 @cache

@@ -37,7 +37,13 @@ def advice(look: FirstLook) -> Iterator[str]:
     for one in look.unknowns:
         names = [part.path for part in one.parts]
         some = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
-        yield f"ask {_whom(one)} ({some}): it would narrow the ranges to {100 * one.left:.0f} % of what they are"
+        asked = f"ask {_whom(one)} ({some})" if one.quality_of is None else _quality_asked(one, one.quality_of)
+        yield f"{asked}: it would narrow the ranges to {100 * one.left:.0f} % of what they are"
+
+
+def _quality_asked(one: LargestUnknown, level: str) -> str:
+    board = level or "the robot"
+    return f"find out how the {len(one.parts)} kinds of parts of {board} were bought and state its quality"
 
 
 def _whom(one: LargestUnknown) -> str:

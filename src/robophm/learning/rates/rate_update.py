@@ -190,11 +190,13 @@ def _said(mode: FailureMode, rate: float, prior: str) -> float:
 
 
 def _square_of_variation(uncertainty: Uncertainty, beta: float) -> float:
-    """Squared coefficient of variation of θ^β."""
-    if uncertainty.error_factor is not None:
-        return math.expm1(min((beta * math.log(uncertainty.error_factor) / 1.6448536269514722) ** 2, 700.0))
+    """Squared coefficient of variation of θ^β, with what an unknown quality makes of it."""
+    factors = [uncertainty.error_factor, uncertainty.quality.error_factor if uncertainty.quality else None]
+    logarithm = sum((beta * math.log(factor) / 1.6448536269514722) ** 2 for factor in factors if factor is not None)
     if uncertainty.failures is not None:
         k = uncertainty.failures
-        return math.expm1(min(float(gammaln(k + 2 * beta) + gammaln(k) - 2 * gammaln(k + beta)), 700.0))
-    powers = np.array(uncertainty.samples) ** beta
-    return max(float(powers.var() / powers.mean() ** 2), 1e-9)
+        logarithm += float(gammaln(k + 2 * beta) + gammaln(k) - 2 * gammaln(k + beta))
+    if uncertainty.samples is not None:
+        powers = np.array(uncertainty.samples) ** beta
+        logarithm += math.log1p(max(float(powers.var() / powers.mean() ** 2), 1e-9))
+    return math.expm1(min(logarithm, 700.0))

@@ -118,7 +118,7 @@ def import_parts(
             raise DesignError(str(error).replace(f"{folder}/design/", "").replace(f"{folder}/", "")) from None
     rows = [
         [
-            one.part.name, str(one.part.quantity), one.rating.model if one.rating else "–",
+            one.part.name, str(one.part.quantity), one.rating.by if one.rating else "–",
             rate_text(one.hazard_rate) if one.hazard_rate is not None else "to be rated by hand",
             one.outcome.state,
         ]

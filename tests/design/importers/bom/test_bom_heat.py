@@ -22,7 +22,7 @@ modules:
       Fan: {mtbf: 50000 h}
 """
 TAKES_NO_TEMPERATURE = {
-    "general.mtbf": "a figure of the library's",
+    "": "an entry of the library",
     "mil_hdbk_217f.crystal": "§19.1 has none",
     "mil_hdbk_217f.filter": "§21.1 has none",
     "mil_hdbk_217f.fuse": "§22.1 has none",
@@ -32,7 +32,7 @@ TAKES_NO_TEMPERATURE = {
 def imported(shared, tmp_path, name, temperature="40 degC"):
     design = tmp_path / "robot.yaml"
     design.write_text(BOARD, encoding="utf-8")
-    assumed = Assumptions(temperature=temperature)
+    assumed = Assumptions(temperature=temperature, quality="commercial")
     return import_bom(shared / "boms" / name, design, assumptions=assumed, module=["Board"])
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from robophm.core.errors import DesignError
+from robophm.core.spread import Spread
 from robophm.core.units import quantity
 from robophm.design.file import parse, read
 from robophm.design.importers.bom.assumptions import Assumptions, TooLittle
@@ -25,7 +26,7 @@ from robophm.design.importers.bom.reading import Part, PartsList, read_parts
 from robophm.design.naming import design_name, printable, quoted
 from robophm.design.robot import Robot
 from robophm.hazard.environments import explained
-from robophm.hazard.qualities import QUALITIES
+from robophm.hazard.qualities import QUALITIES, UNKNOWN
 from robophm.hazard.qualities import quality as quality_of_board
 
 
@@ -36,7 +37,10 @@ class ImportedPart:
     part: Part
     rating: Rating | None
     hazard_rate: float | None
-    """Hazard rate of one of these parts as the list gives it [1/h]; None where it has no rate."""
+    """Hazard rate of one of these parts as the list gives it [1/h]; None where it has no rate.
+
+    Where its quality is unknown it is the mean of what it may be.
+    """
     outcome: Outcome
 
     @property
@@ -70,6 +74,18 @@ class ImportedList:
 def total_rate(parts: Iterable[ImportedPart]) -> float:
     """Return the hazard rate of parts in series when new [1/h], as the list gives them; unrated ones add nothing."""
     return math.fsum(one.part.quantity * one.hazard_rate for one in parts if one.hazard_rate is not None)
+
+
+def rate_range(parts: Iterable[ImportedPart]) -> tuple[float, float]:
+    """Return what the hazard rate of parts in series may be by an unknown quality [1/h]: its 5 and 95 % quantiles.
+
+    All parts are as good as the best may be, or all as bad as the worst. Both are the total rate where it is stated.
+    """
+    rated = [(one.part.quantity * one.hazard_rate, one.rating) for one in parts if one.hazard_rate is not None]
+    spreads = [(rate, one.spread if one and one.spread else Spread(1.0, 1.0)) for rate, one in rated]
+    return math.fsum(rate / one.mean * one.low for rate, one in spreads), math.fsum(
+        rate / one.mean * one.high for rate, one in spreads
+    )
 
 
 def by_kind(parts: Iterable[ImportedPart]) -> dict[str, list[ImportedPart]]:
@@ -128,8 +144,10 @@ def import_bom(
     stated = level.environment and replace(assumed, environment=level.environment).environment
     assumed = replace(assumed, environment=environment or stated or Assumptions.environment)
     wished, there_stated = assumed.quality, level.quality
+    if wished is None and there_stated is None and not level.rated:
+        wished = UNKNOWN  # nobody has said it, and no part there has been rated as if somebody had
     board = wished.casefold() if wished and wished.casefold() in QUALITIES else None
-    if board and there_stated in (None, board):  # said once, for the whole level
+    if board and (there_stated in (None, board) or level.own_quality == UNKNOWN):  # said once, for the whole level
         assumed = replace(assumed, quality=None, board_quality=board)
     else:
         assumed = replace(assumed, board_quality=there_stated and quality_of_board(there_stated))

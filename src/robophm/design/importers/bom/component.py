@@ -21,6 +21,9 @@ Content = dict[str, Any]
 """A component as a design has it."""
 
 NEEDS = "  # needs a rate: "
+RATED_BY = ("hazard", "part", "rate")
+"""Keys by which a part of a list has a rate, or says that it has none."""
+
 ASSUMED = "  # assumed: "
 
 
@@ -54,12 +57,15 @@ def content(part: Wanted, file: str) -> Content:
     made: Content = {"description": part.description, "quantity": part.quantity}
     if part.rating is None:
         made["rate"] = UNKNOWN
+    elif part.rating.entry:
+        made["part"] = part.rating.entry.name
     else:
         made["hazard"] = {"model": part.rating.model, "inputs": dict(part.rating.inputs)}
     assumed = f"; assumed {', '.join(part.rating.assumed)}" if part.rating and part.rating.assumed else ""
     doubt = re.search(r"a guess[^;]*", part.rating.assumed.get("model", "")) if part.rating else None
     guess = f"; {doubt[0]}" if doubt else ""
-    return made | {"source": f"{_source(part, file)}{guess}{assumed} [import {stamp(made)}]"}
+    entry = f"; {part.rating.entry.origin}" if part.rating and part.rating.entry else ""
+    return made | {"source": f"{_source(part, file)}{guess}{assumed}{entry} [import {stamp(made)}]"}
 
 
 def stamp(made: Content) -> str:
@@ -97,12 +103,14 @@ def lines(name: str, part: Wanted, file: str, pad: str) -> Iterator[str]:
     """A component, rated or of unknown rate, as lines of a design."""
     yield f"{pad}{quoted(name)}:\n"
     for key, value in content(part, file).items():
-        text = rate_text(part, f"{pad}  ") if key in ("hazard", "rate") else line(key, value)
+        text = rate_text(part, f"{pad}  ") if key in RATED_BY else line(key, value)
         yield f"{pad}  {text}\n"
 
 
 def rate_text(part: Wanted, pad: str) -> str:
     """Return the lines on where its rate is from, or why it is unknown; the first without its indentation."""
+    if part.rating and part.rating.entry:
+        return hazard_line(part.rating, "part")
     if part.rating:
         return hazard_text(part.rating, pad)
     return f"{line('rate', UNKNOWN)}{NEEDS}{printable(part.needs)}"

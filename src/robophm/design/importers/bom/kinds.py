@@ -6,6 +6,26 @@ import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
+GAN_TRANSISTORS = (
+    r"epc[278][0-9]{3,4}\w*|gs-?0[0-9]{2}-?[0-9]{3}\w*|gs6[16][0-9]{3}\w*|gan[a-z]?[0-9]{2,4}\w*|"
+    r"ig(o|t|l|ot|ld|lr|lt)[0-9]{2}r\w*|tp(65|90|44)h[0-9]\w*|tph32[0-9]{2}\w*|inn(40|100|150|650)[a-z]\w*|pga26[ec]\w*|"
+    r"cghv?[0-9]\w*|ganfets?"
+)
+"""Beginnings of numbers of gallium nitride transistors."""
+
+SIC_TRANSISTORS = (
+    r"[ce][23]m[0-9]{7}\w*|sct[0-9]{2}n\w*|sct[234][0-9]{3}[a-z]{2}\w*|sct[a-z]{1,2}[0-9]+n[0-9]\w*|"
+    r"a?im(w|z|bg|za|yh|bf|cq|t|l)[a-z]?[0-9]{2,3}r\w*|n[tv][a-z0-9]+sc1\w*|u[fj][34][cn][0-9]\w*|msc[0-9]{3}sm\w*|"
+    r"lsic1mo\w*|g[23]r[0-9]+m\w*|tw[0-9]{3}[jnz][0-9]\w*|sicfets?"
+)
+"""The same of silicon carbide transistors."""
+
+SIC_DIODES = (
+    r"[ce][3-6]d[0-9]{5}\w*|scs[1-3][0-9]{2}[a-z]\w*|stpsc[0-9]\w*|id[hwkm][0-9]{2}[gs][0-9]\w*|ffs[hpbdm][0-9]{4}\w*|"
+    r"lsic2sd\w*|msc[0-9]{3}sd\w*|uj3d[0-9]\w*|gb[0-9]{2}(slt|mps)\w*|wnsc[0-9]\w*"
+)
+"""The same of silicon carbide diodes."""
+
 KINDS: Mapping[str, str] = {
     # From the special to the general: the first whose words are in a row is what it is. English, German, French; and
     # of semiconductors the beginnings of usual part numbers, for many lists say nothing else of them.
@@ -72,7 +92,8 @@ KINDS: Mapping[str, str] = {
     "display": r"7-?segment|seven ?segment|displays?|anzeigen?",
     "led": r"leds?|leuchtdioden?|light[ -]?emitting( diodes?)?|neopixel|ws2812\w*",
     "thyristor": r"thyristors?|scrs?|triacs?|diacs?|bt(a|b|1)[0-9]\w*|tic[0-9]{3}\w*",
-    "fet": r"mosfets?|jfets?|fets?|[np]-?mos|[np]-?(channel|ch|kanal)|"
+    "fet": rf"{GAN_TRANSISTORS}|{SIC_TRANSISTORS}|"
+    r"mosfets?|jfets?|fets?|[np]-?mos|[np]-?(channel|ch|kanal)|"
     r"(2n70|bss[18]|irf|irl|ao[0-9]{3}|si[0-9]{3}|dm[np][0-9]|csd[0-9]|fds[0-9]|ntr[0-9])\w*",
     "bipolar transistor": r"bjts?|npn|pnp|bipolar|darlington|"
     r"(bc[3-8][0-9]{2}|2n[2-6][0-9]{3}|[mp]mbt|bd[0-9]{3}|bcp5|tip[0-9]|mje[0-9]|s8[05]50)\w*",
@@ -81,7 +102,8 @@ KINDS: Mapping[str, str] = {
     r"arrays?)|suppressordioden?|"
     r"(smaj|smbj|p6ke|1\.5ke|l?esd[0-9]|pesd|usblc|prtr5v|ip42[0-9]{2}|tpd[0-9]e)\w*",
     "zener diode": r"zener\w*|z-?dioden?|(bzx|bzt|mmsz)\w*",
-    "schottky diode": r"scho?tt?ky\w*|shottky|(bat[0-9]|bas(40|70|8[56])|1n58[12]|ss[1-5][2-6]|b[0-9]{3}a|mbr)\w*",
+    "schottky diode": rf"{SIC_DIODES}|"
+    r"scho?tt?ky\w*|shottky|(bat[0-9]|bas(40|70|8[56])|1n58[12]|ss[1-5][2-6]|b[0-9]{3}a|mbr)\w*",
     "rectifier": r"rectifiers?|gleichrichter|redresseur|(1n400|1n540|db10|gbu)\w*",
     "diode": r"diodes?|dioden|(1n4[14]48|1n914|ll4148|ba[vwx][0-9]|bas[123][0-9])\w*",
     "crystal": r"crystals?|xtals?|quartz|quarze?|resonators?",

@@ -16,6 +16,7 @@ from robophm.design.edited_text import EditedText, child, is_alias, plain, scala
 from robophm.design.importers.bom.component import (
     ASSUMED,
     NEEDS,
+    RATED_BY,
     Content,
     Wanted,
     content,
@@ -32,10 +33,12 @@ from robophm.design.importers.bom.component import (
 from robophm.design.importers.bom.models import Rating
 from robophm.design.importers.bom.references import compressed
 from robophm.design.naming import quoted
+from robophm.hazard.qualities import UNKNOWN
 
 State = Literal["added", "changed", "unchanged", "kept", "removed", "needs a rate"]
 
 _REMARK = "# import-bom: "
+HOW_TO_STATE = "commercial, known pedigree or military, once somebody knows"
 
 
 @dataclass(frozen=True)
@@ -100,18 +103,39 @@ class Level:
         stated = [found[1] for level in self.levels if (found := child(level, "quality"))]
         return str(plain(stated[-1])) if stated else None
 
+    @property
+    def own_quality(self) -> str | None:
+        """Return the quality that the level itself states; None where it states none, or is not there yet."""
+        found = child(self.levels[-1], "quality") if self.exists else None
+        return str(plain(found[1])) if found else None
+
+    @property
+    def exists(self) -> bool:
+        """Whether the level is in the design already."""
+        return len(self.levels) == len(self.module) + 1
+
+    @property
+    def rated(self) -> bool:
+        """Whether a part of the level, or below it, is rated by a model already."""
+        stack = [self.levels[-1]] if self.exists else []
+        while stack:
+            for key, node in stack.pop().value:
+                if key.value == "hazard":
+                    return True
+                stack += [node] if node.id == "mapping" else []
+        return False
+
     def merge(
         self, parts: Sequence[Wanted], *, file: str, environment: str, quality: str | None, remarks: Iterable[str]
     ) -> Merged:
         """Put parts in. What is given of a whole level is stated where nothing above states it. Raises DesignError."""
-        exists = len(self.levels) == len(self.module) + 1
-        entry = child(self.levels[-1], "components") if exists else None
+        entry = child(self.levels[-1], "components") if self.exists else None
         if entry:
             self.design.own(*entry, "mapping")
         there = self._there(entry[1] if entry else None)
         drawn = self._drawn()
         taken = set(there)
-        if exists and (modules := child(self.levels[-1], "modules")):
+        if self.exists and (modules := child(self.levels[-1], "modules")):
             taken |= {str(key.value) for key, _ in modules[1].value}
         matches = _matches(parts, there)
         result = Merged("", [])
@@ -123,7 +147,7 @@ class Level:
                 taken.add(name)
                 added.append((name, part))
                 result.outcomes.append(Outcome("added", name) if part.rating else _needs(name, part))
-            elif part.rating is None and not old.edited and "hazard" in old.said and old.name in drawn:
+            elif part.rating is None and not old.edited and "rate" not in old.said and old.name in drawn:
                 text = f"stays as it was, for it stands in a diagram, but {part.needs}"
                 result.outcomes.append(Outcome("kept", old.name, text))
             else:
@@ -150,7 +174,10 @@ class Level:
             why = f", e.g. {needing[0].name}: {needing[0].text}" if needing else ""
             raise DesignError(f"{self.design.label}: no part of {file} has a rate{why}; and no other part is there")
         head = [f"environment: {quoted(environment)}"] if self.environment is None else []
-        head += [f"quality: {quoted(quality)}"] if quality and self.quality is None else []
+        if quality and self.quality is None:
+            head.append(f"quality: {quoted(quality)}{f'  # {HOW_TO_STATE}' if quality == UNKNOWN else ''}")
+        elif quality and quality != self.quality:
+            self.design.replace(self.levels[-1], "quality", f"quality: {quoted(quality)}", f"  # {HOW_TO_STATE}")
         head += [_REMARK + remark for remark in remarks]
         if entry and (entry[1].value or not entry[1].flow_style):
             self._into(entry, head, added, file)
@@ -209,7 +236,7 @@ class Level:
                     self._update_hazard(old, found, part.rating)
                 else:
                     self.design.replace(old.node, key, line(key, value), ASSUMED)
-        before = "hazard" if "hazard" in old.said else "rate"
+        before = next((key for key in RATED_BY if key in old.said), "rate")
         if before not in new or (part.rating is None and self.design.remarked(old.node, before, NEEDS)):
             there = child(old.node, before)
             pad = " " * there[0].start_mark.column if there else ""

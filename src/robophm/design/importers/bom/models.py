@@ -10,13 +10,17 @@ from typing import Any
 import numpy as np
 
 from robophm.core.errors import ModelError, UnitError, nearest
+from robophm.core.spread import Spread
 from robophm.design.importers.bom.assumptions import Assumptions, TooLittle
+from robophm.design.importers.bom.by_library import of_library, stated_rate
 from robophm.design.importers.bom.kinds import DEVICE, is_guess
 from robophm.design.importers.bom.parts import Recognised
 from robophm.design.importers.bom.rules import RULES
 from robophm.hazard.handbooks import handbook_model
 from robophm.hazard.model import Array, Choice
-from robophm.hazard.qualities import QUALITIES, level
+from robophm.hazard.qualities import QUALITIES, UNKNOWN, level, spread_of_unknown
+from robophm.parts import Entry
+from robophm.parts import part as library_part
 
 
 @dataclass(frozen=True)
@@ -24,10 +28,20 @@ class Rating:
     """A model and its inputs, as the design has them, and settled for evaluation."""
 
     model: str
+    """Name of its hazard model; "" where it is rated as an entry of the library of parts."""
     inputs: Mapping[str, str]
     assumed: Mapping[str, str]
     """Inputs that the list does not say, and why they are what they are."""
     settled: Mapping[str, str | float]
+    spread: Spread | None = None
+    """The factor that a quality of the board that is unknown leaves open; None where it leaves none."""
+    entry: Entry | None = None
+    """The entry of the library that it is rated as; None where a model rates it."""
+
+    @property
+    def by(self) -> str:
+        """Return the name of the model that rates it, or "part: name" of an entry of the library."""
+        return f"part: {self.entry.name}" if self.entry else self.model
 
 
 BEYOND = {
@@ -46,7 +60,7 @@ class Rater:
 
     def __init__(self, assumed: Assumptions) -> None:
         self.assumed = assumed
-        self.settled: dict[tuple[str, ...], dict[str, str | float]] = {}
+        self.settled: dict[tuple[str, ...], tuple[dict[str, str | float], Spread | None]] = {}
         models = [handbook_model(name) for name in dict.fromkeys(rule.model for rule in RULES.values())]
         levels = [choice for model in models if isinstance(choice := model.inputs.get("quality"), Choice)]
         board = assumed.quality and assumed.quality.casefold() in QUALITIES
@@ -60,6 +74,9 @@ class Rater:
             raise TooLittle("what kind of part it is, is not clear from its reference and words")
         if part.kind in BEYOND:
             raise TooLittle(BEYOND[part.kind])
+        if found := of_library(part):
+            name, why = found
+            return Rating("", {"part": name}, {"part": why}, {}, entry=library_part(name))
         if part.kind not in RULES:
             raise TooLittle(f"no handbook has a model of a {part.kind}")
         rule = RULES[part.kind]
@@ -82,17 +99,25 @@ class Rater:
                 given["environment"] = self.assumed.environment
             key = (rule.model, *(f"{name}={text}" for name, text in given.items()))
             if key not in self.settled:
-                self.settled[key] = model.settle(given)
-            return Rating(rule.model, inputs, assumed, self.settled[key])
+                settled = model.settle(given)
+                unknown = board == UNKNOWN and "quality" not in inputs
+                self.settled[key] = settled, spread_of_unknown(model, settled) if unknown else None
+            return Rating(rule.model, inputs, assumed, *self.settled[key])
         except (ModelError, UnitError) as error:
             raise TooLittle(str(error)) from None
 
 
 def rates(ratings: Sequence[Rating]) -> Array:
-    """The hazard rate of one part of each [1/h]; parts that share a model and its words are rated at once."""
+    """The hazard rate of one part of each [1/h]; parts that share a model and its words are rated at once.
+
+    Where the quality is unknown it is the mean of what the rate may be.
+    """
     result = np.zeros(len(ratings))
     groups: dict[tuple[Any, ...], list[int]] = defaultdict(list)
     for i, rating in enumerate(ratings):
+        if rating.entry:
+            result[i] = stated_rate(rating.entry)
+            continue
         words = ((name, value if isinstance(value, str) else None) for name, value in rating.settled.items())
         groups[(rating.model, *words)].append(i)
     for (name, *_), members in groups.items():
@@ -101,6 +126,7 @@ def rates(ratings: Sequence[Rating]) -> Array:
             key: value if isinstance(value, str) else _column(ratings, members, key) for key, value in first.items()
         }
         result[members] = handbook_model(name).evaluate(inputs).value
+    result *= [one.spread.mean if one.spread else 1.0 for one in ratings]
     return result
 
 

@@ -28,6 +28,7 @@ from robophm.design.importers.bom.quantities import (
     with_unit,
 )
 from robophm.design.importers.bom.references import prefix
+from robophm.design.importers.bom.wide_band_gap import semiconductor
 
 
 @dataclass(frozen=True)
@@ -138,8 +139,6 @@ TYPES: Mapping[str, Mapping[str, re.Pattern[str]]] = {
         "diode": {"switching": r"switching|small[ -]?signal|schaltdiode|1n4148\w*|1n914|bav\w+|bas[0-9]+\w*|ll4148"},
         "fet": {
             "JFET": r"jfets?",
-            "GaN": r"e?gan ?(fets?)?|gallium nitride",
-            "SiC": r"sic ?(mos)?(fets?)?|silicon carbide",
         },
         "photodetector": {"phototransistor": r"[pf]h?oto-?transistor(en|s)?", "photodiode": r"[pf]h?oto-?diod(en?|es)"},
         "optocoupler": {"photodarlington": r"(photo)?darlington", "photodiode": r"6n13[0-9]|photodiode"},
@@ -180,11 +179,6 @@ TYPES: Mapping[str, Mapping[str, re.Pattern[str]]] = {
             "DRAM": r"s?drams?|ddr[0-9]?|mt4[178]\w*|k4[abt]\w*",
             "SRAM": r"srams?|psrams?|is6[12]\w*|as6c\w*",
         },
-        "sensor chip": {
-            "magnetometer": r"magnetometers?|e?compass|(hmc5|qmc5|mmc[35]|lis3mdl|ist8|rm31|bmm1)[0-9]*\w*",
-            "barometer": r"(pressure|barometric|altimeter) sensors?|barometers?|altimeters?|"
-            r"(ms5[568]|bm[ep][0-9]{3}|lps[23]|dps3)[0-9]*\w*",
-        },
         "motor": {"stepper": r"stepp\w*|schritt\w*|nema ?[0-9]+", "servo": r"servo\w*"},
     }.items()
 }  # fmt: skip
@@ -208,7 +202,7 @@ class _Said:
         self.column = {name: plain(getattr(row, name), decimal) for name in ("voltage", "tolerance", "power")}
         self.number = part_number(row.part_number, row.library, row.value, row.footprint, row.description, row.note)
         self.contradictions: list[str] = []
-        self.footprint = row.footprint
+        self.footprint, self.part_number = row.footprint, row.part_number
         self.words = " ".join((row.description, row.library, row.footprint, row.value, row.material, row.note))
         self.concluded: dict[str, str] = {}
 
@@ -235,6 +229,7 @@ class _Said:
         if not kind:
             return {}
         found: dict[str, str | None] = {"type": self.type(kind), "size": self.chip()}
+        found["semiconductor"] = semiconductor(kind, spread(f"{self.words} {self.part_number}"))
         found["mounting"] = self.mounting(self.footprint) or self.mounting(self.words)
         if kind in ("capacitor", "supercapacitor"):
             found |= self.capacitor(found["type"])

@@ -27,8 +27,6 @@ from robophm.design.importers.bom.assumptions import (
     share,
 )
 from robophm.design.importers.bom.parts import TYPES, Recognised
-from robophm.parts import Entry as LibraryEntry
-from robophm.parts import part as library_part
 
 APPENDIX = "as in the handbook's Appendix A"
 STAND_IN = "a stand-in: only the ratio to what is applied counts"
@@ -156,17 +154,10 @@ _COIL = Rule(
 )
 
 
-def _fet_kind(part: Recognised, assumed: Assumptions) -> tuple[str, str]:
-    kind = part.facts.get("type", "")
-    if kind in ("GaN", "SiC"):
-        return "MOSFET", f"of silicon, for no handbook has {kind}; the library has part: {kind.lower()}_transistor"
-    return ("JFET", "") if kind == "JFET" else ("MOSFET", APPENDIX)
-
-
 _FET = Rule(
     "mil_hdbk_217f.transistor_fet_low_frequency",
     {
-        "kind": _fet_kind,
+        "kind": by_type({"JFET": "JFET"}, "MOSFET", APPENDIX),
         "application": assume("switching", APPENDIX),
         "rated_power": said_or("rated_power", "0.5 W", "of a small one"),
         **_JUNCTION,
@@ -177,24 +168,6 @@ _CRYSTAL = Rule(
     "mil_hdbk_217f.crystal",
     {"frequency": at_most("frequency", "MHz", 105.0, said_or("frequency", "10 MHz", "nothing is said"))},
 )
-
-
-_OF_LIBRARY = {"magnetometer": "magnetometer", "barometer": "barometer"}
-
-
-def _library_entry(part: Recognised) -> LibraryEntry:
-    """What the library of parts has for a sensor in a chip."""
-    return library_part(_OF_LIBRARY.get(part.facts.get("type", ""), "imu"))
-
-
-def _library_mtbf(part: Recognised, assumed: Assumptions) -> tuple[str, str]:
-    entry = _library_entry(part)
-    factor = entry.part["uncertainty"]["error_factor"]
-    return entry.part["mtbf"], f"as the library's {entry.name}, grade {entry.grade}, give or take a factor of {factor}"
-
-
-def _library_source(part: Recognised, assumed: Assumptions) -> tuple[str, str]:
-    return f"library: {_library_entry(part).name}", "no handbook has micromechanics"
 
 
 def _switch(style: Entry) -> Rule:
@@ -320,7 +293,6 @@ RULES: Mapping[str, Rule] = {
     "logic": _microcircuit("logic", "16", family=_CMOS, gates=assume("100", "the first of the handbook's classes")),
     "analog circuit": _microcircuit("linear", "8", **_LINEAR),
     "microcircuit": replace(_microcircuit("linear", "16", **_LINEAR), taken_for="an analog circuit"),
-    "sensor chip": Rule("general.mtbf", {"mtbf": _library_mtbf, "source": _library_source}),
     "inductor": _COIL,
     "ferrite bead": _COIL,
     "transformer": _transformer(
