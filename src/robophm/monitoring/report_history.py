@@ -136,7 +136,7 @@ def _uninterrupted() -> Iterator[None]:
 
 
 _monitor: Monitor | None = None
-"""In a process that makes reports, the monitor of the robot."""
+"""The monitor of the robot, in a process that makes reports."""
 
 
 def _begin(robot: bytes) -> None:

@@ -1,4 +1,4 @@
-"""What small files are known by, found out in a thread beside while the next ones are opened."""
+"""Digests of small files, taken in a thread beside while the next ones are opened."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _AT_ONCE = 16
 """Files of which the digests are taken one after the other: for each by itself two threads would take turns."""
 
 _ROOM = Semaphore(2)
-"""So many times as many files may wait for the thread: they are in memory meanwhile."""
+"""The number of times that as many files may wait for the thread: they are in memory meanwhile."""
 
 _lock = Lock()
 
