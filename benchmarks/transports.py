@@ -151,6 +151,24 @@ def splits() -> Iterator[Line]:
         resource.setrlimit(resource.RLIMIT_NOFILE, limits)
 
 
+@benchmark
+def jobs() -> Iterator[Line]:
+    """The reports of a store by two processes, on a machine with two cores that do nothing else."""
+    robot = load(DESIGN)
+    with tempfile.TemporaryDirectory() as name:
+        path = SyntheticOta(seed=1, working_hours=(0, 24)).record(Path(name) / "day.mcap")
+
+        def past(count: int) -> Any:
+            store = MemoryStore()
+            replay(robot, path, store=store, report_every=120, jobs=count)
+            return store.ledger(robot.name), list(store.history(robot.name).reports())
+
+        if past(1) != past(2):
+            raise DisagreementError("the ledger and the reports of two processes")
+        alone, together = race(lambda: past(1), lambda: past(2), rounds=3, at_least=0.0)
+    yield Line("a day's .mcap into a store, 720 reports, by two processes", together, alone, "by one", 1 / 1.6)
+
+
 COUNT = 200_000
 TOPIC, FIELD = "/temperature", "temperature"
 

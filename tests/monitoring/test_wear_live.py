@@ -2,6 +2,7 @@
 
 import json
 import math
+import pickle
 import time
 from itertools import pairwise
 
@@ -89,6 +90,12 @@ def journal(tmp_path_factory):
 
 def wear_of(ledger):
     return json.dumps({key: one.to_json() for key, one in ledger.wear.items()})
+
+
+def test_a_worn_robot_in_another_process_is_the_same(lived):
+    wear = seen_wear(ROBOT, lived.ledger)
+    robot, ledger, again = pickle.loads(pickle.dumps((ROBOT, lived.ledger, wear)))
+    assert Monitor(robot, ledger).report(wear=again).to_json() == lived.report(wear=wear).to_json()
 
 
 def test_columns_and_interrupted_runs_give_the_same_readings_bit_for_bit(lived):

@@ -17,7 +17,7 @@ from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.unused import refuse_unused
 from robophm.design.file import load
 from robophm.monitoring.recording_sessions import sessions_of
-from robophm.monitoring.replay import replay_sessions
+from robophm.monitoring.replay import MOST_JOBS, replay_sessions
 from robophm.report.health_page import health_page
 from robophm.stores import open_store
 from robophm.stores.memory import MemoryStore
@@ -35,6 +35,15 @@ def command(
     store: GrowingStore = None,
     report: Annotated[Path | None, typer.Option(help="write a page about its health, HTML")] = None,
     skip_missing: SkipMissing = False,
+    jobs: Annotated[
+        int | None,
+        typer.Option(
+            help="processes that make the reports which --store and --report keep, 1 by default",
+            min=1,
+            max=MOST_JOBS,
+            show_default=False,
+        ),
+    ] = None,
     horizon: Horizon = None,
     unit: Unit = "1/h",
     as_json: Json = False,
@@ -42,7 +51,9 @@ def command(
     """A robot's health after what it recorded: drives in the order of their time, however many."""
     ahead = horizon_of(horizon)
     if as_json:
-        refuse_unused("JSON, in 1/h", ("store", "report", "horizon", "skip_missing"))
+        refuse_unused("JSON, in 1/h", ("store", "report", "jobs", "horizon", "skip_missing"))
+    if jobs and not (store or report):
+        refuse_unused("a replay that keeps no reports", ("horizon", "unit", "skip_missing"))
     may_write(report, design, *recordings, *files_of(store))
     robot = load(design)
     for warning in robot.warnings:
@@ -57,7 +68,7 @@ def command(
             warn(f"this recording is already in {store}; it is not counted again")
         elif done:
             warn(f"{len(done)} of {len(sessions)} recordings are already in {store}; they are not counted again")
-        health = replace(replay_sessions(robot, sessions, store=kept, on_tick=tick), horizon=ahead)
+        health = replace(replay_sessions(robot, sessions, store=kept, jobs=jobs or 1, on_tick=tick), horizon=ahead)
         past = (kept.history(robot.identity).figures(), kept.ledger(robot.identity)) if kept and report else ()
     if report:
         write(report, health_page(robot, health, *past))

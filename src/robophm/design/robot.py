@@ -355,7 +355,7 @@ class Robot(Module):
     @cached_property
     def limited_parts(self) -> Mapping[int, Component]:
         """Return the components that the design limits, by their places among all."""
-        return {i: part for i, part in enumerate(self.all_components()) if part.thresholds is not NO_LIMITS}
+        return {i: part for i, part in enumerate(self.all_components()) if part.thresholds != NO_LIMITS}
 
     @cached_property
     def limited(self) -> bool:

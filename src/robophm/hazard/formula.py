@@ -7,14 +7,19 @@ no units, so constants in the text are in those units too.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 
 from robophm.core.errors import ModelError, UnitError
-from robophm.core.expression import check_name, read
+from robophm.core.expression import Expression, check_name, read
 from robophm.core.table import Source
 from robophm.core.units import conversion
 from robophm.hazard.model import Array, Factor, Model, Range
 
 MOST_VARIABLES = 50
+
+
+def _value(expression: Expression, text: str, unit: Factor, **values: Array) -> Factor:
+    return Factor("f", expression(values), text) * unit
 
 
 def formula_model(text: str, unit: str, variables: Mapping[str, Range], source: str, inside: str = "1/h") -> Model:
@@ -34,9 +39,7 @@ def formula_model(text: str, unit: str, variables: Mapping[str, Range], source: 
         raise UnitError("formula has no unit; expected e.g. '1/h'")
     scale = conversion(unit, inside).scale
 
-    def function(**values: Array) -> Factor:
-        return Factor("f", expression(values), text) * Factor("unit", scale, f"{unit} to {inside}")
-
+    function = partial(_value, expression, text, Factor("unit", scale, f"{unit} to {inside}"))
     # the key of a stress is made of name and formula: both say all that the result depends on
     said = f"λ = {' '.join(text.split())} [{unit}]"
     return Model(

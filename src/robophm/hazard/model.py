@@ -9,9 +9,11 @@ from __future__ import annotations
 
 import inspect
 import re
+import sys
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from importlib import import_module
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -214,6 +216,13 @@ class Model:
     def __repr__(self) -> str:
         return f"<Model {self.name}: {self.formula}>"
 
+    def __reduce_ex__(self, protocol: Any) -> str | tuple[Any, ...]:
+        """One that is declared goes to another process by its name: its function has that name no more."""
+        module, name = self.function.__module__, getattr(self.function, "__qualname__", "")
+        if getattr(sys.modules.get(module), name, None) is self:
+            return _declared, (module, name)
+        return super().__reduce_ex__(protocol)
+
     @cached_property
     def numbers(self) -> Mapping[str, Range]:
         """The inputs that are numbers, and so can be measured."""
@@ -352,6 +361,11 @@ class Model:
                 **inputs, **{name: line[block] for name, line in lines.items()}
             })  # fmt: skip
         return Evaluation(value, extrapolated)
+
+
+def _declared(module: str, name: str) -> Model:
+    found: Model = getattr(import_module(module), name)
+    return found
 
 
 def hazard_model(

@@ -17,7 +17,8 @@ from robophm.monitoring.clock_steps import ClockSteps
 from robophm.monitoring.live_tasks import LiveTasks
 from robophm.monitoring.look_ahead import LookAhead
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.replay import MOST_REPORTS, REPAIR, ReportHistory, kept_ledger
+from robophm.monitoring.replay import MOST_REPORTS, REPAIR, kept_ledger
+from robophm.monitoring.report_history import ReportHistory
 from robophm.monitoring.silent_signals import SilentSignals
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.stores.events import Event

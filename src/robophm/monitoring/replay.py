@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from robophm.core.argument_checks import instance, number
 from robophm.core.counted_notes import said
@@ -18,10 +18,10 @@ from robophm.core.signal import REORDERED, SECOND
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
 from robophm.health.report import HealthReport
-from robophm.health.worn import SeenWear
 from robophm.monitoring.block_monitor import BlockMonitor
 from robophm.monitoring.monitor import LONGEST_PERIOD, Monitor
 from robophm.monitoring.recording_sessions import Recorded, RecordingSession, joined, living, sessions_of
+from robophm.monitoring.report_history import ReportHistory, ReportProcesses
 from robophm.monitoring.wear_watch import GROWTH, WearWatch
 from robophm.stores.store import Progress, Store
 
@@ -30,6 +30,9 @@ SAVE_EVERY = 2.0
 
 REPORT_STEP = 600 * SECOND
 """Nanoseconds of the robot's time between two reports that are kept, unless there is much of it."""
+
+MOST_JOBS = 256
+"""Processes that share the reports of a replay at most."""
 
 MOST_REPORTS = 1000
 """Reports that are kept of one replay, unless more are asked for."""
@@ -42,26 +45,6 @@ _ENDED = "end of the recording that was heard last"
 """Key in a store of the end of the recording heard last, with the newest sample that it is of."""
 
 
-class ReportHistory:
-    """The reports of a robot's time that are to be kept: after the first tick, and after the first in every step."""
-
-    def __init__(self, step: int, ledger: Ledger | None, wear: Callable[[Ledger], Sequence[SeenWear]]) -> None:
-        """``step`` [ns]; a ledger that is gone on from has its report; ``wear``: what is foretold of it."""
-        self.reports: list[dict[str, Any]] = []
-        """Reports that are not yet saved."""
-        self._step, self._wear = step, wear
-        self._reported = ledger.integrated_to if ledger else None
-
-    def follow(self, monitor: Monitor) -> None:
-        """Take a report where it is time to."""
-        now = monitor.ledger.integrated_to or 0
-        if self._reported is None or now // self._step > self._reported // self._step:
-            wear = self._wear(monitor.ledger)
-            report = monitor.report(remaining_life="robot", settled=False, wear=wear)
-            self.reports.append(report.to_json(failures_to_come=False))
-        self._reported = now
-
-
 def replay(
     robot: Robot,
     recorded: Recorded | Sequence[Recorded],
@@ -70,6 +53,7 @@ def replay(
     period: float = 60.0,
     skip_missing: bool = False,
     report_every: float | None = None,
+    jobs: int = 1,
     on_tick: Callable[[Monitor], None] | None = None,
 ) -> HealthReport:
     """Return a robot's health after recordings, from new or from where the store's ledger stands.
@@ -79,7 +63,9 @@ def replay(
 
     With a store the ledger, the progress and a report for every ``report_every`` [s] of the robot's time are kept
     as the replay goes, so that one that was killed goes on where it was, and a session that is done is not counted
-    again. By default that is ten minutes, or as many as make some thousand reports.
+    again. By default that is ten minutes, or as many as make some thousand reports. ``jobs``: processes that make these
+    reports, this one among them; what they find does not depend on how many they are. A script that asks for several is
+    guarded by ``if __name__ == "__main__":``.
     ``skip_missing``: signals that all recordings lack stay silent instead of being an error.
 
     Raises SourceError where the recordings lack a bound signal or its messages measure something else.
@@ -90,7 +76,8 @@ def replay(
     if report_every is not None:
         number(report_every, "report_every", above=True)
     sessions = sessions_of(robot, recorded, skip_missing=skip_missing)
-    return replay_sessions(robot, sessions, store=store, period=period, report_every=report_every, on_tick=on_tick)
+    return replay_sessions(robot, sessions, store=store, period=period, report_every=report_every, jobs=jobs,
+                           on_tick=on_tick)  # fmt: skip
 
 
 def kept_ledger(robot: Robot, store: Store) -> Ledger | None:
@@ -111,19 +98,24 @@ def replay_sessions(
     store: Store | None = None,
     period: float = 60.0,
     report_every: float | None = None,
+    jobs: int = 1,
     on_tick: Callable[[Monitor], None] | None = None,
 ) -> HealthReport:
     """Return a robot's health after these sessions, as ``replay``. Raises SourceError as ``replay``.
 
     Raises StoreError where somebody else goes on with the robot's past in that store.
     """
-    with store.alone(robot.identity) if store else nullcontext():
-        return _replayed(robot, sessions, store, period, report_every, on_tick)
+    jobs = int(number(jobs, "jobs", low=1, high=MOST_JOBS, whole=True))
+    with (
+        store.alone(robot.identity) if store else nullcontext(),
+        ReportProcesses(robot, jobs - 1) if store and jobs > 1 else nullcontext() as processes,
+    ):
+        return _replayed(robot, sessions, store, period, report_every, processes, on_tick)
 
 
 def _replayed(
     robot: Robot, sessions: Sequence[RecordingSession], store: Store | None, period: float,
-    report_every: float | None, on_tick: Callable[[Monitor], None] | None,
+    report_every: float | None, processes: ReportProcesses | None, on_tick: Callable[[Monitor], None] | None,
 ) -> HealthReport:  # fmt: skip
     ledger = kept_ledger(robot, store) if store else None
     step = round(report_every * SECOND) if report_every else _report_step(sessions) if store else REPORT_STEP
@@ -133,7 +125,7 @@ def _replayed(
         if run[0].done.complete:
             decided.update(run[0].done.notes)
             continue
-        monitor, notes = _go_through(robot, run, ledger, store, period, step, on_tick)
+        monitor, notes = _go_through(robot, run, ledger, store, period, step, processes, on_tick)
         ledger = monitor.ledger
         decided.update(notes)
     report = (monitor or Monitor(robot, ledger, period=period)).report(alarms=True)
@@ -168,6 +160,7 @@ def _go_through(
     store: Store | None,
     period: float,
     step: int,
+    processes: ReportProcesses | None,
     on_tick: Callable[[Monitor], None] | None,
 ) -> tuple[Monitor, Counter[str]]:
     """The monitor after a run of sessions, and what had to be decided on the way."""
@@ -178,7 +171,7 @@ def _go_through(
         _not_before(run[0].session, ledger.integrated_to)
     position = begun.position
     decided |= Counter(session.lost)
-    course = ReportHistory(step, ledger, WearWatch(robot, GROWTH).renewed)
+    course = ReportHistory(step, ledger, WearWatch(robot, GROWTH).renewed, processes)
     saved = time.monotonic()
 
     def save() -> None:

@@ -88,8 +88,6 @@ def executive(next_task, drive, where, tell, wait=1.0):
     with machine:
         smach.StateMachine.add("IDLE", Idle(next_task, wait), {"task": "PLAN", "preempted": "preempted"})
         smach.StateMachine.add("PLAN", Plan(tell, where), {"told": "LEGS"})
-        smach.StateMachine.add(
-            "LEGS", Legs(drive, where), {"done": "TELL", "failed": "IDLE", "preempted": "preempted"}
-        )
+        smach.StateMachine.add("LEGS", Legs(drive, where), {"done": "TELL", "failed": "IDLE", "preempted": "preempted"})
         smach.StateMachine.add("TELL", Tell(tell), {"told": "IDLE"})
     return machine

@@ -6,6 +6,7 @@ import hashlib
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from operator import attrgetter
 from pathlib import Path
 
 from robophm.core.errors import SourceError, nearest_file
@@ -54,11 +55,16 @@ def parts_of(path: Path) -> list[Path]:
     with reading(path):
         if (path / METADATA).exists():
             return [path]
-        parts = sorted(part for part in path.iterdir() if _found(part) or (part / METADATA).is_file())
+        parts = [part for part in in_order_of_names(path) if _found(part) or (part / METADATA).is_file()]
     if not parts:
         kinds = ", ".join(name for name, one in formats().items() if _in_folders(one))
         raise SourceError(f"{path}: holds no recording; expected {METADATA} or files of {kinds}")
     return parts
+
+
+def in_order_of_names(folder: Path) -> list[Path]:
+    """Return what is in a folder."""
+    return sorted(folder.iterdir(), key=attrgetter("name"))  # to compare paths takes as long as to read a small file
 
 
 def _found(file: Path) -> bool:

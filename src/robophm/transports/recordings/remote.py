@@ -166,7 +166,7 @@ def here(path: str | Path) -> Path:
         return path
     address = _ADDRESS.fullmatch(os.fspath(path))
     if not address or os.path.exists(path):  # noqa: PTH110  whatever a file here is called
-        return Path(path)
+        return path if isinstance(path, Path) else Path(path)  # to make one of one takes as long as to look
     scheme, rest = address[1].lower(), address[2]
     if scheme not in _places():
         raise SourceError(f"{scheme}://{rest}: no place of recordings '{scheme}'{nearest(scheme, _places())}")

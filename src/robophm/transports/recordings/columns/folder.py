@@ -16,7 +16,7 @@ from robophm.design.file import read
 from robophm.transports.recordings.columns.pieces import MOST_TIME, DamageError, PiecedFile, TopicExtent
 from robophm.transports.recordings.columns.rows import Row, RowsFile, one_by_one
 from robophm.transports.recordings.columns.unpacking import LARGEST_CHUNK, unpack_zstd
-from robophm.transports.recordings.files import METADATA, PACKED, holds_messages
+from robophm.transports.recordings.files import METADATA, PACKED, holds_messages, in_order_of_names
 from robophm.transports.recordings.packed import ZSTD
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def files_in(folder: Path, notes: Counter[str]) -> tuple[list[Path], bool]:
     Files that are named and missing are noted, and so are those that are there unnamed: they are read in the place of
     missing ones, as when all were renamed. Raises SourceError where there is none.
     """
-    there = sorted(file for file in folder.iterdir() if holds_messages(file))
+    there = [file for file in in_order_of_names(folder) if holds_messages(file)]
     information, wrong = _information(folder / METADATA)
     named = [folder / PurePath(name).name for name in information.get("relative_file_paths") or () if name]
     known, listed = {file.name for file in there}, {file.name for file in named}  # of thousands a list takes seconds

@@ -6,17 +6,16 @@ What is touched comes from the disk page by page; what will be needed of it in o
 from __future__ import annotations
 
 import mmap
-import os
 from collections import Counter
-from collections.abc import Iterable
-from concurrent.futures import Future, ThreadPoolExecutor
-from functools import cached_property, lru_cache
+from collections.abc import Callable, Iterable
+from functools import cached_property
 from pathlib import Path
-from threading import Lock, Semaphore
+from threading import Lock
 
 import numpy as np
 
 from robophm.core.errors import SourceError
+from robophm.transports.recordings.columns.digests import digest_of
 from robophm.transports.recordings.columns.field_extraction import Bytes
 from robophm.transports.recordings.columns.pieces import DamageError, PiecedFile
 from robophm.transports.recordings.files import fingerprint_of
@@ -43,15 +42,6 @@ _mapped: dict[int, MappedFile] = {}
 
 _lock = Lock()
 
-_ROOM = Semaphore(8)
-"""Files of which the digest may be taken beside at once: each is in memory meanwhile."""
-
-
-@lru_cache(maxsize=1)
-def _beside(_process: int) -> ThreadPoolExecutor:
-    """A thread of a process."""
-    return ThreadPoolExecutor(1, "digests")
-
 
 class MappedFile(PiecedFile):
     """A file that is mapped into memory when it is looked at, and may be let go of whenever it is not.
@@ -64,7 +54,7 @@ class MappedFile(PiecedFile):
         self._memory: mmap.mmap | None = None
         self._content: Bytes | None = None
         self._advice = _RANDOM
-        self._digest: Future[str] | None = None
+        self._digest: Callable[[], str] | None = None
         self.source = path
         self._fetched = fetched_of(path)
         self.size = path.stat().st_size
@@ -74,19 +64,18 @@ class MappedFile(PiecedFile):
     @cached_property
     def fingerprint(self) -> str:
         """Return what the file is known by, whatever it is called."""
-        return self._digest.result() if self._digest else fingerprint_of(self.source)
+        return self._digest() if self._digest else fingerprint_of(self.source)
+
+    def digest(self) -> Callable[[], str]:
+        """Return what gives the fingerprint, also when the file is closed."""
+        return self._digest or super().digest()
 
     def take_digest(self) -> None:
-        """Find out beside what a small file is known by, while it is in memory: of thousands of them none stays there.
+        """Find out what a small file is known by, while it is in memory: of thousands of them none stays there.
 
-        That takes as long as all else, and the interpreter does not wait for it.
+        That takes as long as all else, so that it is done beside.
         """
-        content = self.content.data
-        if _ROOM.acquire(blocking=False):
-            self._digest = _beside(os.getpid()).submit(fingerprint_of, self.source, content)
-            self._digest.add_done_callback(lambda _: _ROOM.release())
-        else:
-            self.fingerprint = fingerprint_of(self.source, content)
+        self._digest = digest_of(self.source, self.content.data)
 
     @property
     def content(self) -> Bytes:

@@ -10,6 +10,7 @@ from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import cached_property
+from itertools import accumulate
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -81,6 +82,11 @@ class PiecedFile(ABC):
     def fingerprint(self) -> str:
         """Return what the file is known by, whatever it is called."""
         return fingerprint_of(self.path)
+
+    def digest(self) -> Callable[[], str]:
+        """Return what gives the fingerprint, also when the file is closed."""
+        fingerprint = self.fingerprint
+        return lambda: fingerprint
 
     @property
     def weight(self) -> int:
@@ -166,7 +172,7 @@ def tell_all(
     if not heard:
         return
     together = np.concatenate([*heard.values()])
-    begins = np.cumsum([0, *(len(times) for times in heard.values())])[:-1]
+    begins = [*accumulate(map(len, heard.values()), initial=0)][:-1]
     firsts, lasts = (found.reduceat(together, begins).tolist() for found in (np.minimum, np.maximum))
     if min(firsts) < first or max(lasts) > last:
         raise DamageError("a time that its chunk does not have")

@@ -1,0 +1,157 @@
+"""The reports of a robot's time that a store keeps, made here and, where they are many, in other processes beside."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from multiprocessing import get_context, parent_process
+from threading import Thread, current_thread, main_thread
+from typing import Any
+
+from robophm.core.errors import RobophmError
+from robophm.design.robot import Robot
+from robophm.health.ledger import Ledger
+from robophm.health.worn import SeenWear
+from robophm.monitoring.monitor import Monitor
+
+Report = dict[str, Any]
+
+_WAITING = 2
+"""Ledgers that may wait for each process: what is beyond that the process that asks reports on itself."""
+
+
+def _report(monitor: Monitor, wear: Sequence[SeenWear]) -> Report:
+    return monitor.report(remaining_life="robot", settled=False, wear=wear).to_json(failures_to_come=False)
+
+
+class ReportProcesses:
+    """Other processes that make reports; a context manager.
+
+    They end with it, and with the process that began them, however that ends; what interrupts that does not reach
+    them.
+    """
+
+    def __init__(self, robot: Robot, count: int) -> None:
+        self._asked: list[Future[Report]] = []
+        self._most = count * _WAITING
+        self._pool = ProcessPoolExecutor(
+            count, get_context("spawn"), initializer=_begin, initargs=(pickle.dumps(robot),)
+        )
+
+    def report(self, ledger: Ledger, wear: Sequence[SeenWear]) -> Future[Report] | None:
+        """Ask for the report of a ledger as it is now; None where all are busy.
+
+        Raises RobophmError where a process was killed.
+        """
+        self._asked = [one for one in self._asked if not one.done()]
+        if len(self._asked) >= self._most:
+            return None
+        with _killed_is_said(), _uninterrupted():
+            self._asked.append(self._pool.submit(_report_of, pickle.dumps((ledger, wear))))
+        return self._asked[-1]
+
+    def __enter__(self) -> ReportProcesses:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._pool.shutdown(cancel_futures=True)
+
+
+class ReportHistory:
+    """The reports of a robot's time that are to be kept: after the first tick, and after the first in every step."""
+
+    def __init__(
+        self,
+        step: int,
+        ledger: Ledger | None,
+        wear: Callable[[Ledger], Sequence[SeenWear]],
+        processes: ReportProcesses | None = None,
+    ) -> None:
+        """``step`` [ns]; a ledger that is gone on from has its report; ``wear``: what is foretold of it."""
+        self._made: list[Report] = []
+        self._asked: list[Future[Report]] = []
+        self._step, self._wear, self._processes = step, wear, processes
+        self._reported = ledger.integrated_to if ledger else None
+
+    @property
+    def reports(self) -> list[Report]:
+        """The reports that are not yet saved, in their order; those that are still made are waited for.
+
+        Raises RobophmError where a process that made some was killed.
+        """
+        with _killed_is_said():
+            self._made += [one.result() for one in self._asked]
+        self._asked.clear()
+        return self._made
+
+    def follow(self, monitor: Monitor) -> None:
+        """Take a report where it is time to. Raises RobophmError where a process that makes some was killed."""
+        now = monitor.ledger.integrated_to or 0
+        if self._reported is None or now // self._step > self._reported // self._step:
+            wear = self._wear(monitor.ledger)
+            asked = self._processes and self._processes.report(monitor.ledger, wear)
+            if not asked:
+                asked = Future()
+                asked.set_result(_report(monitor, wear))
+            self._asked.append(asked)
+        self._reported = now
+
+
+@contextmanager
+def _killed_is_said() -> Iterator[None]:
+    try:
+        yield
+    except BrokenProcessPool:
+        raise RobophmError(
+            "a process that made reports was killed, or had no memory left; what was saved before stays, and a "
+            "further replay goes on from there; expected fewer jobs where memory is short"
+        ) from None
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """What interrupts from the keyboard waits: a process that begins is begun whole, and is itself never interrupted.
+
+    The keyboard reaches all processes at once, and each thread of them that does not block it.
+    """
+    if current_thread() is not main_thread():  # which alone is interrupted, and may say how
+        yield
+        return
+    waiting: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: waiting.append(number))
+    blocked = hasattr(signal, "pthread_sigmask") and signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        if blocked is not False:
+            signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+        signal.signal(signal.SIGINT, before or signal.SIG_DFL)
+        for number in waiting:
+            signal.raise_signal(number)
+
+
+_monitor: Monitor | None = None
+"""The monitor of the robot, in a process that makes reports."""
+
+
+def _begin(robot: bytes) -> None:
+    global _monitor
+    Thread(target=_end_with_parent, daemon=True).start()
+    _monitor = Monitor(pickle.loads(robot))
+
+
+def _end_with_parent() -> None:
+    if parent := parent_process():
+        parent.join()
+        os._exit(1)
+
+
+def _report_of(ledger_and_wear: bytes) -> Report:
+    assert _monitor
+    _monitor.ledger, wear = pickle.loads(ledger_and_wear)
+    return _report(_monitor, wear)
