@@ -10,9 +10,10 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from fastapi import FastAPI, Request
+from fastapi import APIRouter, FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
+from fastapi.routing import APIRoute
 from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
 from starlette.middleware.gzip import GZipMiddleware
@@ -22,6 +23,7 @@ from robophm.core.errors import RobophmError
 from robophm.core.registry import load_plug, plugs
 from robophm.design.located_error import LocatedError
 from robophm.web import routes
+from robophm.web.access.roles import role_of
 from robophm.web.guard import Guard, TooLargeError
 from robophm.web.service import Service, Settings
 from robophm.web.shapes import Trouble
@@ -72,8 +74,11 @@ def api(**more: Any) -> FastAPI:
         title="robophm", version=version("robophm"), description=DESCRIPTION, docs_url=None, redoc_url=None,
         openapi_url="/api/openapi.json", **more,
     )  # fmt: skip
-    for name in plugs(routes.__name__):
-        app.include_router(load_plug(routes.__name__, name, "file of routes").router, responses=GUARDED)
+    for router in routers():
+        for route in router.routes:
+            if isinstance(route, APIRoute):
+                route.openapi_extra = {**(route.openapi_extra or {}), "x-role": role_of(route)}
+        app.include_router(router, responses=GUARDED)
     app.add_exception_handler(RobophmError, _refused)
     app.add_exception_handler(RequestValidationError, _misspelt)
     app.add_exception_handler(HTTPException, _http)
@@ -82,6 +87,11 @@ def api(**more: Any) -> FastAPI:
     app.add_exception_handler(UnicodeEncodeError, _no_text)
     app.add_exception_handler(Exception, _our_fault)
     return app
+
+
+def routers() -> list[APIRouter]:
+    """Return the routes of each subject, other packages' among them."""
+    return [load_plug(routes.__name__, name, "file of routes").router for name in plugs(routes.__name__)]
 
 
 def write_schema(path: str) -> None:

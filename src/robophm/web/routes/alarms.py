@@ -12,6 +12,7 @@ from pydantic import Field
 from robophm.core.errors import RobophmError
 from robophm.core.signal import SECOND
 from robophm.health.limits import limits_of
+from robophm.web.access.roles import needs
 from robophm.web.routes.design import REFUSED
 from robophm.web.service import Served
 from robophm.web.shapes import Shape
@@ -73,6 +74,7 @@ def get_alarms(service: Served, most: Annotated[int, Query(ge=1, le=10_000)] = 2
 
 
 @router.post("/acknowledge", responses=REFUSED)
+@needs("operator")
 def acknowledge(asked: Acknowledged, service: Served) -> AlarmsOfRobot:
     """Take note of an alarm, by name; whoever did so first stays."""
     run = service.monitoring.run

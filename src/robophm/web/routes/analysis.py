@@ -19,6 +19,7 @@ from robophm.health.report import VIEWS, plain
 from robophm.health.unknown_rates import unknown
 from robophm.report.first_look import advice, figure_rows
 from robophm.report.minimal_sets import MOST_PARTS, STEPS, counted, left_out
+from robophm.web.access.roles import needs
 from robophm.web.health import Life, life_of
 from robophm.web.prepared_robot import PreparedRobot, finite, unknown_of
 from robophm.web.routes.design import REFUSED, apply
@@ -209,6 +210,7 @@ def get_life(service: Served, path: Annotated[str, Query(max_length=5000)] = "")
 
 
 @router.post("/what-if", responses=REFUSED)
+@needs("viewer")
 def what_if(asked: WhatIfAsked, service: Served) -> WhatIf:
     """The design now beside what it would be with some edits; nothing is changed."""
 

@@ -19,6 +19,7 @@ from robophm.report.health_page import health_page
 from robophm.report.pdf import Printer
 from robophm.report.words import rate_text
 from robophm.stores import open_store, store_exists
+from robophm.web.access.roles import needs
 from robophm.web.guard import REPORT_POLICY
 from robophm.web.metrics import metrics_text
 from robophm.web.routes.design import REFUSED
@@ -86,6 +87,7 @@ def _folder() -> File:
 
 
 @router.post("/api/imports/parts-list", responses=REFUSED)
+@needs("editor")
 def import_parts(
     body: Upload,
     service: Served,
@@ -134,6 +136,7 @@ def import_parts(
 
 
 @router.post("/api/imports/legacy", responses=REFUSED)
+@needs("editor")
 def import_2020(body: Upload, name: FileName = "phm_configurations.yaml") -> Imported:
     """The design that a file of the 2020 tool becomes, to be looked at; nothing is changed."""
     from robophm.design.importers.legacy.reading import import_legacy

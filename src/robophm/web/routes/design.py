@@ -12,6 +12,7 @@ from robophm.core.yaml_values import values
 from robophm.design import editing, identity_edits
 from robophm.design.identity_edits import NOTHING, Lived, place_at
 from robophm.design.located_error import LocatedError
+from robophm.web.access.roles import needs
 from robophm.web.drawing import drawing
 from robophm.web.service import Served
 from robophm.web.shapes import (
@@ -62,6 +63,7 @@ def get_design(service: Served) -> DesignState:
 
 
 @router.post("/edits", responses=WRITES)
+@needs("editor")
 def edit_design(edits: Edits, service: Served) -> DesignState:
     """Edit the design: all of the operations, or none."""
 
@@ -79,18 +81,21 @@ def edit_design(edits: Edits, service: Served) -> DesignState:
 
 
 @router.post("/undo", responses=WRITES)
+@needs("editor")
 def undo(asked: OfEdit, service: Served) -> DesignState:
     """Take back the latest edit, or an earlier one where no later edit touches what it changed."""
     return service.design_state(service.workspace.undo(asked.revision, asked.edit))
 
 
 @router.post("/redo", responses=WRITES)
+@needs("editor")
 def redo(asked: OfEdit, service: Served) -> DesignState:
     """Do again what was undone last, or another edit where no edit since touches what it changed."""
     return service.design_state(service.workspace.redo(asked.revision, asked.edit))
 
 
 @router.post("/save", responses=SAVES)
+@needs("editor")
 def save(asked: SaveAsked, service: Served) -> DesignState:
     """Write the design file, what was there kept beside it; not over what somebody has changed in it by hand."""
     return service.design_state(service.workspace.save(asked.revision, asked.over))
@@ -113,6 +118,7 @@ def get_past(service: Served) -> PastOfDesign:
 
 
 @router.post("/take", responses=WRITES)
+@needs("editor")
 def take(asked: OfRevision, service: Served) -> DesignState:
     """Take what the file holds now in place of the design; this is undone as any edit."""
     return service.design_state(service.workspace.take(asked.revision))
@@ -126,6 +132,7 @@ def get_text(service: Served) -> DesignText:
 
 
 @router.put("/text", responses=WRITES)
+@needs("editor")
 def put_text(asked: WholeText, service: Served) -> DesignState:
     """Put a whole text in place of the design; that is undone as any edit."""
     return service.design_state(service.workspace.replace(asked.revision, asked.text, asked.what))

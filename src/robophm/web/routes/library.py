@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Path
 
+from robophm.web.access.roles import needs
 from robophm.web.model_forms import (
     Form,
     FormulaAsked,
@@ -36,12 +37,14 @@ def get_model(name: Annotated[str, Path(max_length=200)]) -> Form:
 
 
 @router.post("/rate", responses=REFUSED)
+@needs("viewer")
 def rate(asked: RateAsked) -> RateAnswer:
     """The hazard rate for inputs as a person writes them, with every factor."""
     return answer(asked.model, asked.inputs)
 
 
 @router.post("/formula", responses=REFUSED)
+@needs("viewer")
 def formula(asked: FormulaAsked) -> RateAnswer:
     """The value of a formula of one's own."""
     return formula_answer(asked.formula, asked.unit, asked.variables)

@@ -18,6 +18,7 @@ from robophm.health.failures_to_come import LONGEST
 from robophm.health.reporting import health_report
 from robophm.health.why import explain
 from robophm.transports.signals.message_units import field_unit
+from robophm.web.access.roles import needs
 from robophm.web.health import Freshness, Health, health_of
 from robophm.web.routes.design import REFUSED
 from robophm.web.service import Served, Service
@@ -121,6 +122,7 @@ def get_monitoring(service: Served) -> MonitoringState:
 
 
 @router.post("/api/monitoring/start", responses=REFUSED)
+@needs("operator")
 def start(asked: StartAsked, service: Served) -> MonitoringState:
     """Begin to watch; it goes on without any browser, until it is stopped."""
     service.watch(asked.source, asked.speed)
@@ -128,6 +130,7 @@ def start(asked: StartAsked, service: Served) -> MonitoringState:
 
 
 @router.post("/api/monitoring/stop")
+@needs("operator")
 def stop(service: Served) -> MonitoringState:
     """Stop watching the robot."""
     service.monitoring.stop()
@@ -210,6 +213,7 @@ def get_topics(service: Served, source: str) -> Topics:
 
 
 @router.post("/api/sensors/test", responses=REFUSED)
+@needs("viewer")
 def test_sensor(asked: SensorTest, service: Served) -> SensorTested:
     """Try a binding: the value that it would have heard last."""
     signal = signal_name(asked.topic, asked.field)

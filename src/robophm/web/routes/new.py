@@ -21,6 +21,7 @@ from robophm.drafting.received import endings
 from robophm.drafting.updating import earlier_answers, updated, was_drafted
 from robophm.drafting.writing import write_beside
 from robophm.parts import library, part
+from robophm.web.access.roles import needs
 from robophm.web.prepared_robot import finite
 from robophm.web.routes.design import REFUSED, SAVES, WRITES
 from robophm.web.service import Served, Service
@@ -172,6 +173,7 @@ def get_new(service: Served) -> NewRobot:
     openapi_extra={"requestBody": {"required": True, "content": {
         "application/octet-stream": {"schema": {"type": "string", "format": "binary"}}}}},
 )  # fmt: skip
+@needs("editor")
 async def hand_in(request: Request, service: Served, name: FileName) -> NewRobot:
     """Hand in a URDF, a recording or a parts list: told by its content, kept in a folder beside the design."""
     arrival = await run_in_threadpool(service.received.begin, name)
@@ -185,6 +187,7 @@ async def hand_in(request: Request, service: Served, name: FileName) -> NewRobot
 
 
 @router.delete("/files/{name}", responses=REFUSED)
+@needs("editor")
 def take_away(service: Served, name: Annotated[str, Path(max_length=200)]) -> NewRobot:
     """Take a file away that was handed in."""
     service.received.remove(name)
@@ -192,6 +195,7 @@ def take_away(service: Served, name: Annotated[str, Path(max_length=200)]) -> Ne
 
 
 @router.post("/draft", responses=REFUSED)
+@needs("editor")
 def draft(asked: DraftAsked, service: Served) -> Drafted:
     """Draft a robot of what there is; nothing is changed by it."""
     known = service.received.evidence()
@@ -223,6 +227,7 @@ def draft(asked: DraftAsked, service: Served) -> Drafted:
 
 
 @router.post("/use", responses=SAVES)
+@needs("editor")
 def use(asked: UseAsked, service: Served) -> DesignState:
     """Make a draft the design, and save it; beside it are written what it assumes, and the tasks that were seen."""
     answers = Answers().with_(**{key: said for key, said in asked.answers.items() if said})
@@ -237,6 +242,7 @@ def use(asked: UseAsked, service: Served) -> DesignState:
 
 
 @router.post("/example", responses=WRITES)
+@needs("editor")
 def run_example(asked: OfRevision, service: Served) -> DesignState:
     """Open the example robot, and watch it drive at once; this is undone as any edit."""
     if service.monitoring.state == "running":

@@ -23,6 +23,7 @@ from robophm.health.task_report import task_report, unknown_in
 from robophm.health.unknown_rates import PartsOfUnknownRate
 from robophm.monitoring.task_history import TaskRecord
 from robophm.transports.signals.report_sink import JudgedTask
+from robophm.web.access.roles import needs
 from robophm.web.health import WornPart, worn_parts
 from robophm.web.jobs import Job
 from robophm.web.prepared_robot import finite, unknown_of
@@ -212,6 +213,7 @@ def _plan(asked: Asked, robot: Robot) -> Plan:
 
 
 @router.post("/tasks/predict", responses=REFUSED)
+@needs("viewer")
 def predict(asked: Asked, service: Served) -> Answer:
     """Can I do this? The probability that each task will be completed, and what decides it."""
     prepared = service.prepared()
@@ -239,6 +241,7 @@ def predict(asked: Asked, service: Served) -> Answer:
 
 
 @router.post("/tasks/read", responses=REFUSED)
+@needs("viewer")
 def read_tasks(asked: TaskText, service: Served) -> ReadTasks:
     """The tasks of a file, to look at and to ask about."""
     robot = service.prepared().robot
@@ -326,6 +329,7 @@ def _both(chances: Mapping[View, Completion]) -> BothChances:
 
 
 @router.post("/tasks/prognosis", responses=REFUSED)
+@needs("operator")
 def prognosis(asked: PrognosisAsked, service: Served) -> JobState:
     """Begin a prognostic analysis: the list again and again, the exposure carried on."""
     prepared = service.prepared()
@@ -385,6 +389,7 @@ def get_job(number: Number, service: Served) -> JobState:
 
 
 @router.delete("/jobs/{number}", responses=NOT_THERE)
+@needs("operator")
 def cancel_job(number: Number, service: Served) -> JobState:
     """Cancel a job."""
     _known(service, number)
