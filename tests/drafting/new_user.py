@@ -2,8 +2,8 @@
 
 Prints a row for each robot and leaves with 1 where one takes more than two minutes, asks more than seven questions, has
 a warning, fewer than five signals, or a rate without source and grade; or where its ranges of the chance to fail and of
-the median life do not hold the figures of a design of it by hand, from sources of its own. Robots whose description is in shared/robots are
-left out, and said so, without it.
+the median life do not hold the figures of a design of it by hand, from sources of its own. Robots whose description is
+in shared/robots are left out, and said so, without it.
 """
 
 from __future__ import annotations

@@ -65,7 +65,7 @@ def at_work(parts: Sequence[DraftPart], seen: Seen) -> list[DraftPart]:
         if _has_gear_life(entry):
             found.append(_gear_at_work(one, entry, seen))
         elif entry.name in OF_HIGHEST_SPEED and (share := recorded_share(one, seen)):
-            said = f"its bearings turn at {share:.1%} of the joint's limit, as recorded: fewer turns, or grease of the same age"
+            said = f"its bearings turn at {share:.1%} of the joint's limit, as recorded: fewer turns, or old grease"
             found.append(_with_life(one, entry, [Spread(share, 1.0)], [said], "B", {}))
         else:
             found.append(one)
