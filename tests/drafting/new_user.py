@@ -1,9 +1,9 @@
 """``make new-user``: from a built wheel in a clean environment to the first report of five robots, timed.
 
 Prints a row for each robot and leaves with 1 where one takes more than two minutes, asks more than seven questions, has
-a warning, fewer than five signals, or a rate without source and grade; or where its ranges do not hold the figures of a
-design of it by hand, from sources of its own, as they are known to. Robots whose description is in shared/robots are
-left out, and said so, without it.
+a warning, fewer than five signals, or a rate without source and grade; or where its ranges of the chance to fail and of
+the median life do not hold the figures of a design of it by hand, from sources of its own. Robots whose description is
+in shared/robots are left out, and said so, without it.
 """
 
 from __future__ import annotations
@@ -70,9 +70,7 @@ def outside(robot: NewRobot, command: Path, ranges: dict[str, Any], folder: Path
     for name, figure in figures.items():
         low, _, high = ranges[name]
         print(f"  {name} by hand {figure:.3g}, drafted {low:.3g} … {high:.3g}")
-        if name in robot.missed:
-            print("  inside, unlike before" if low < figure < high else "  outside, as is known")
-        elif not low < figure < high:
+        if not low < figure < high:
             said.append(f"{name} by hand {figure:.3g} is outside {low:.3g} … {high:.3g}")
     return said
 

@@ -104,8 +104,19 @@ def test_a_speed_that_tells_nothing_is_no_speed(heard, velocity, why):
     assert why in one.assumed
 
 
+def test_a_motor_that_turns_slower_than_its_makers_statement_lives_as_long_or_longer():
+    """Between grease of the same age and as many turns: 20,000 h and 20,000 h over the share of the highest speed."""
+    (slow,) = at_work([gear("servo_motor")], seen(velocity=0.2))
+    mean, error = sampled((0.1, 1.0), (1 / 3, 3.0))
+    own = math.exp((math.log(3) / 1.6448536) ** 2 / 2)  # the mean of the entry's own factor, which is in its L10
+    assert life(slow) == pytest.approx((20_000 / (mean / own), error), rel=0.02)
+    assert "grade B" in slow.keys["source"]
+    for speeds in ({}, {"velocity": 0.001}, {"velocity": 3.0}):  # nothing tells: the maker's statement as it stands
+        assert at_work([gear("servo_motor")], seen(**speeds)) == [gear("servo_motor")]
+
+
 def test_other_parts_stay_as_they_are_and_a_gear_without_a_law_of_load_has_a_range_of_speed_alone():
-    motor = gear("servo_motor")
+    motor = gear("bldc_motor")
     assert at_work([motor], seen(velocity=1.0)) == [motor]
     (worm,) = at_work([gear("worm_gear")], NOTHING)
     assert "acceleration" not in worm.keys

@@ -223,7 +223,8 @@ def with_list(text: str, source: Path, module: str, environment: str | None = No
     needing = len(found.of_state("needs a rate"))
     return found.text, (
         f"{source.name}: {len(found.parts)} components in {module}, {needing} of which need a rate; where the list "
-        f"says nothing else, {found.assumptions.temperature} around them, {found.assumptions.stress:g} of the rated"
+        f"says nothing else, {found.assumptions.temperature} around them, {found.assumptions.stress:g} of the rated, "
+        f"quality {found.assumptions.board_quality or 'of each model'}"
     )
 
 

@@ -1,10 +1,14 @@
-"""The life of a joint's gear at the speed and torque that the joint works at, as a range where these are not known.
+"""The lives of a joint's gear and motor at the work that the joint does, as ranges where that is not known.
 
 Catalogues state a gear's life at rated speed and torque all the time. It goes with 1 / mean speed and with
 1 / torque³ (Harmonic Drive, engineering data HFUC and CSD-2A, equation 20.2; ball bearings under changing load by
 ISO 281). The mean speed is taken from the recording and the joint's limit, the torque from the bound effort; that one
 is large while the other is small is not seen. What neither tells is a range, whose ends are taken as 5 and 95 % of a
 lognormal distribution.
+
+Of a servo motor makers state the life at its highest speed. Bearings last so many revolutions (ISO 281), and their
+grease so many hours, by its temperature above all; which of the two ends first is not stated. So a joint whose mean
+speed is recorded has a motor that fails between as often as stated, and as many times less as it turns slower.
 """
 
 from __future__ import annotations
@@ -43,6 +47,9 @@ MEAN_TORQUE = (0.5, 1.0)
 Half of it is left where the gear was chosen with a safety factor of two.
 """
 
+OF_HIGHEST_SPEED = ("servo_motor",)
+"""Motors whose statement is of their highest speed."""
+
 STANDS_STILL = 0.01
 """The share of its limit below which the mean speed of a joint says that it hardly worked while it was recorded."""
 
@@ -52,7 +59,17 @@ def at_work(parts: Sequence[DraftPart], seen: Seen) -> list[DraftPart]:
 
     ``seen``: the recordings, whose joint states tell the mean speeds.
     """
-    return [_at_work(one, entry, seen) if _has_gear_life(entry := entry_of(one.entry)) else one for one in parts]
+    found = []
+    for one in parts:
+        entry = entry_of(one.entry)
+        if _has_gear_life(entry):
+            found.append(_gear_at_work(one, entry, seen))
+        elif entry.name in OF_HIGHEST_SPEED and (share := recorded_share(one, seen)):
+            said = f"its bearings turn at {share:.1%} of the joint's limit, as recorded: fewer turns, or old grease"
+            found.append(_with_life(one, entry, [Spread(share, 1.0)], [said], "B", {}))
+        else:
+            found.append(one)
+    return found
 
 
 def _has_gear_life(entry: Entry) -> bool:
@@ -60,7 +77,7 @@ def _has_gear_life(entry: Entry) -> bool:
     return entry.kind == "gears" and "l10" in entry.part and "clock" not in entry.part
 
 
-def _at_work(one: DraftPart, entry: Entry, seen: Seen) -> DraftPart:
+def _gear_at_work(one: DraftPart, entry: Entry, seen: Seen) -> DraftPart:
     speed, recorded, of_speed = _speed(one, seen)
     spreads, said = [speed], [of_speed]
     keys: dict[str, Any] = {}
@@ -75,14 +92,20 @@ def _at_work(one: DraftPart, entry: Entry, seen: Seen) -> DraftPart:
             # A load that somebody binds later is compared with the one that is assumed now.
             keys["acceleration"] = {"model": "cubic_load", "reference_load": round(torque.mean ** (1 / 3), 4)}
             said.append(f"its cubic mean torque {MEAN_TORQUE[0]:.0%} to {MEAN_TORQUE[1]:.0%} of the rated one")
+    return _with_life(one, entry, spreads, said, "B" if recorded else "C", keys)
+
+
+def _with_life(
+    one: DraftPart, entry: Entry, spreads: Sequence[Spread], said: Sequence[str], grade: str, keys: Mapping[str, Any]
+) -> DraftPart:
+    """A part with the life of its entry under further factors of its rate, and with why; its own keys win."""
     factor = math.prod(spread.mean for spread in spreads)
     own = _error_factor(entry.part)
     error = math.exp(math.hypot(math.log(own), *(math.log(spread.error_factor) for spread in spreads)))
-    grade = max(entry.grade, "B" if recorded else "C")
     life = {
         "l10": f"{round(quantity(entry.part['l10'], 'h') / factor)} h",
         "uncertainty": {"error_factor": round(error, 2)},
-        "source": entry.graded_origin(grade),
+        "source": entry.graded_origin(max(entry.grade, grade)),
     }
     assumed = "; ".join([*([one.assumed] if one.assumed else []), *said])
     return replace(one, keys={**life, **keys, **one.keys}, assumed=assumed)
@@ -99,15 +122,21 @@ def _speed(one: DraftPart, seen: Seen) -> tuple[Spread, bool, str]:
     usual = f"its mean speed {least:.0%} to {most:.0%} of the rated one"
     if one.velocity is None or math.isnan(mean):
         return Spread(least, most), False, usual
-    share = mean / one.velocity
-    if not STANDS_STILL <= share <= 1:
-        why = "the joint hardly moved" if share < 1 else "the joint moved faster than its limit"
+    share = recorded_share(one, seen)
+    if share is None:
+        why = "the joint hardly moved" if mean < one.velocity else "the joint moved faster than its limit"
         return Spread(least, most), False, f"{usual}: as recorded {why}"
     least, most = LIMIT_OVER_RATED
     said = (
         f"its mean speed as recorded, {share:.1%} of the joint's limit, which is {least:g} to {most:g} times the rated"
     )
     return Spread(least * share, most * share), True, said
+
+
+def recorded_share(one: DraftPart, seen: Seen) -> float | None:
+    """The mean speed of a part's joint as a share of its limit; None where no recording tells it."""
+    share = mean_speed(one.joint, seen) / one.velocity if one.velocity else math.nan
+    return share if STANDS_STILL <= share <= 1 else None
 
 
 def mean_speed(joint: str, seen: Seen) -> float:

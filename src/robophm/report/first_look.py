@@ -49,7 +49,7 @@ def _quality_asked(one: LargestUnknown, level: str) -> str:
 def _whom(one: LargestUnknown) -> str:
     entry = library().get(one.entry.partition(",")[0])
     if entry is None:
-        return "for where its rate is from"
+        return "the maker for a failure rate"
     modes = [entry.part, *entry.part.get("failure_modes", {}).values()]
     asked = next((_ASKED[key] for mode in modes for key in _ASKED if key in mode), "failure rate")
     what = one.parts[0].path.rpartition("/")[2] if len(one.parts) == 1 else entry.words[0]

@@ -155,7 +155,9 @@ def _driven(one: Moved, description: Description, chosen: Entry | None) -> Itera
     else:
         yield _part(joint, name, "gear", drive.name, why)
         yield _part(joint, name, "motor", "servo_motor", "a joint with a gear has a servo motor")
-        yield _part(joint, name, "encoder", "encoder_optical", "a joint with a gear has an absolute encoder")
+        yield _part(
+            joint, name, "encoder", "joint_encoder", "a joint with a gear has an absolute encoder, optical or magnetic"
+        )
         yield _part(joint, name, "brake", "holding_brake", "a joint that carries load has a holding brake")
         yield _part(joint, name, "motor driver", "motor_controller", "a motor has a driver")
     if wheel:
