@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import partial
 from operator import itemgetter
 from pathlib import Path
 from typing import NamedTuple
@@ -41,8 +41,8 @@ class RecordingSession:
     """A session of a robot: one source, or files that overlap in time."""
 
     name: str
-    digest: Callable[[], str]
-    """A function that gives what identifies its content, whatever it is called."""
+    key: str
+    """Key of the progress of its replay: what is in it, as the design listens to it."""
     signals: tuple[str, ...]
     """The bound signals that it has."""
     first: int | None
@@ -53,11 +53,6 @@ class RecordingSession:
     """The files of the session, where those of several sessions can be opened as one."""
     lost: tuple[str, ...] = ()
     """Files beside it of which nothing can be read, and why."""
-
-    @cached_property
-    def key(self) -> str:
-        """Key of the progress of its replay: what is in it, as the design listens to it."""
-        return hashlib.sha256("\n".join((self.digest(), *sorted(self.signals))).encode()).hexdigest()
 
     def goes_on(self, after: RecordingSession, gap: int) -> bool:
         """Whether another session is of the same drive: it begins at most ``gap`` [ns] behind this one's end."""
@@ -103,7 +98,8 @@ def sessions_of(
             missing = {signal: lacking[signal] for signal in missing if signal in lacking}
             signals = tuple(signal for signal in robot.signals if signal not in lacking)
         if signals:
-            sessions.append(RecordingSession(name, found.digest, signals, found.first, found.last, opens, found.files))
+            key = hashlib.sha256("\n".join((found.fingerprint, *sorted(signals))).encode()).hexdigest()
+            sessions.append(RecordingSession(name, key, signals, found.first, found.last, opens, found.files))
     _refuse(robot, missing, topics, skip_missing=skip_missing)
     return [replace(sessions[0], lost=tuple(unread)), *sessions[1:]]
 
@@ -170,7 +166,7 @@ class _Looked(NamedTuple):
     kinds: Kinds
     first: int | None
     last: int | None
-    digest: Callable[[], str]
+    fingerprint: str
     files: tuple[Path, ...]
     """Its files, where those of several sources can be opened as one."""
 
@@ -178,9 +174,8 @@ class _Looked(NamedTuple):
 def _looked(source: SignalSource, files: Sequence[Path]) -> _Looked:
     infos = source.topics()
     kinds = tuple((info.topic, (info.type, info.fields)) for info in infos)
-    if isinstance(source, Recording):
-        return _Looked(kinds, *_span(infos), source.digest(), tuple(files))
-    return _Looked(kinds, *_span(infos), partial(str, source.fingerprint), ())
+    files = tuple(files) if isinstance(source, Recording) else ()
+    return _Looked(kinds, *_span(infos), source.fingerprint, files)
 
 
 def _opened(recorded: Recorded | Sequence[Recorded], lost: list[str]) -> Iterator[tuple[str, Opening, _Looked]]:

@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from heapq import merge
 from itertools import chain
 from operator import itemgetter
@@ -46,10 +46,6 @@ PLACES_NAMING = 4
 
 LONGEST_NAMING = 1 << 18
 """Bytes of a message, beyond which it is not looked into for names."""
-
-
-def _together(digests: Iterable[Callable[[], str]]) -> str:
-    return hashlib.sha256("".join(sorted(digest() for digest in digests)).encode()).hexdigest()
 
 
 def _name(known: dict[str, list[str]], type_: MessageType, messages: Iterable[bytes]) -> None:
@@ -90,16 +86,8 @@ class Recording(SignalSource):
                 raise EmptyError(f"{', '.join(map(str, paths)) or 'no file'}: holds no messages")
             self._opened = stack.pop_all()
         self._name = str(self._files[0].path) + (" …" if len(self._files) > 1 else "")
-        self._digests = [file.digest() for file in self._files]
-
-    @cached_property
-    def fingerprint(self) -> str:  # type: ignore[override]
-        """Return what identifies the content of all files."""
-        return self.digest()()
-
-    def digest(self) -> Callable[[], str]:
-        """Return what gives the fingerprint, also when this is closed: of small files it is found out meanwhile."""
-        return partial(_together, self._digests)
+        digests = "".join(sorted(file.fingerprint for file in self._files))
+        self.fingerprint = hashlib.sha256(digests.encode()).hexdigest()
 
     def lost(self) -> list[str]:
         """Return the notes that tell of files of which something is lost."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import mmap
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import cached_property
 from pathlib import Path
 from threading import Lock
@@ -15,7 +15,6 @@ from threading import Lock
 import numpy as np
 
 from robophm.core.errors import SourceError
-from robophm.transports.recordings.columns.digests import digest_of
 from robophm.transports.recordings.columns.field_extraction import Bytes
 from robophm.transports.recordings.columns.pieces import DamageError, PiecedFile
 from robophm.transports.recordings.files import fingerprint_of
@@ -54,7 +53,6 @@ class MappedFile(PiecedFile):
         self._memory: mmap.mmap | None = None
         self._content: Bytes | None = None
         self._advice = _RANDOM
-        self._digest: Callable[[], str] | None = None
         self.source = path
         self._fetched = fetched_of(path)
         self.size = path.stat().st_size
@@ -64,18 +62,11 @@ class MappedFile(PiecedFile):
     @cached_property
     def fingerprint(self) -> str:
         """Return what the file is known by, whatever it is called."""
-        return self._digest() if self._digest else fingerprint_of(self.source)
-
-    def digest(self) -> Callable[[], str]:
-        """Return what gives the fingerprint, also when the file is closed."""
-        return self._digest or super().digest()
+        return fingerprint_of(self.source)
 
     def take_digest(self) -> None:
-        """Find out what a small file is known by, while it is in memory: of thousands of them none stays there.
-
-        That takes as long as all else, so that it is done beside.
-        """
-        self._digest = digest_of(self.source, self.content.data)
+        """Find out what a small file is known by, while it is in memory: of thousands of them none stays there."""
+        self.fingerprint = fingerprint_of(self.source, self.content.data)
 
     @property
     def content(self) -> Bytes:

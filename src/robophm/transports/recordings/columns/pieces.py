@@ -83,11 +83,6 @@ class PiecedFile(ABC):
         """Return what the file is known by, whatever it is called."""
         return fingerprint_of(self.path)
 
-    def digest(self) -> Callable[[], str]:
-        """Return what gives the fingerprint, also when the file is closed."""
-        fingerprint = self.fingerprint
-        return lambda: fingerprint
-
     @property
     def weight(self) -> int:
         """Kilobytes, about, of what is known of the file: no less than one."""
