@@ -75,6 +75,7 @@ def test_the_sound_recordings_hold_what_was_written(format_: str, tmp_path: Path
     ("mcap", 4832, 20261130),  # an index that says it is another record, where no summary says what there is
     ("mcap", 5608, 20261129),  # a chunk that begins later than all times that there are
     ("bag", 1394, 22),  # a second header, behind which the reader went back to the first chunk for ever
+    ("db3", 1869, 2026112101),  # a row of which SQLite says that there is no memory for it
 ])  # fmt: skip
 def test_what_was_found_once(format_: str, number: int, seed: int) -> None:
     """What long runs found, by the seeds that they printed."""
