@@ -47,9 +47,7 @@ def described(name: str, schema: bytes, encoding: str = "json") -> Described:
     """Return the type of messages that a JSON Schema describes. Raises SourceError."""
     parse = parser(encoding)
     if not schema:
-        raise SourceError(
-            "has no schema, and no message that was looked into says which fields there are"
-        )
+        raise SourceError("has no schema, and no message that was looked into says which fields there are")
     root, definitions = _defined(name, schema)
     plain = PlainMessages(definitions, _value_of)
     learnt = root.get("$comment") == LEARNT
