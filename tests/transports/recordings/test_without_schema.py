@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-import cbor2
 import pytest
 from mcap.writer import Writer
 
@@ -18,6 +17,8 @@ from robophm.core.signal import SECOND
 from robophm.transports.recordings.columns import read_columns, recorded_topics
 from robophm.transports.recordings.opening import open_source
 from robophm.transports.recordings.recording import Recording
+
+cbor2 = pytest.importorskip("cbor2", reason="no cbor2 (make setup installs it)")
 
 T0 = 1_750_000_000 * SECOND
 ENCODERS: dict[str, Callable[[Any], bytes]] = {"json": lambda one: json.dumps(one).encode(), "cbor": cbor2.dumps}

@@ -211,6 +211,7 @@ def _table(path: Path, ros: int) -> Rows:
         if (log := path.with_name(path.name + "-wal")).exists():
             shutil.copy(log, copy.with_name(log.name))
         with closing(sqlite3.connect(copy)) as database:
+            database.execute("PRAGMA synchronous = OFF")  # it is a copy
             database.execute("PRAGMA writable_schema = ON")  # else a file that was cut is refused
             topics = dict(database.execute("SELECT id, name FROM topics NOT INDEXED"))
             for order in ("", "DESC"):
