@@ -112,6 +112,6 @@ def test_why_a_topic_has_no_numbers_is_told(tmp_path):
     why = {one.name: one.no_numbers for one in overview(recorded).topics}
     assert why.pop("/number") == ""
     assert why.pop("/text") == "its type has none"
-    assert why.pop("/proto") == "is encoded as 'flatbuffer'; expected cdr, ros1, json or protobuf"
+    assert why.pop("/proto") == "is encoded as 'flatbuffer'; expected cdr, ros1, json, cbor or protobuf"
     assert why.pop("/broken") == "the definition of its type 'a_msgs/msg/B' is missing or damaged"
     assert not why

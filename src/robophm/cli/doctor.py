@@ -23,6 +23,7 @@ EXTRAS = {
     "mqtt": ("robots that tell their state at an MQTT broker, as by VDA 5050", ("paho-mqtt",)),
     "notebook": ("data frames and plots in Python", ("pandas", "matplotlib")),
     "parquet": ("tables in Parquet", ("pyarrow",)),
+    "cbor": ("messages of CBOR in MCAP", ("cbor2",)),
     "protobuf": ("messages of Protocol Buffers in MCAP", ("protobuf",)),
     "remote": ("recordings on web servers and in object storage", ("obstore",)),
     "px4": ("logs of PX4", ("pyulog",)),

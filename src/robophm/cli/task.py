@@ -39,6 +39,7 @@ from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.seen_wear import seen_wear
 from robophm.report.words import duration_text, failure_text, number_text, percent_text, probability_text
 from robophm.transports.recordings.files import holds_messages
+from robophm.transports.recordings.remote import here
 from robophm.transports.recordings.salvage import Salvage
 
 MOST_NAMED = 5
@@ -107,7 +108,7 @@ def command(
 
 def run(design: Path, asked: Request) -> bool:
     """Print the answer; return whether a threshold is breached."""
-    robot, tasks = load(design), asked.tasks
+    robot, tasks = load(design), here(asked.tasks) if asked.tasks else None
     check_draws(asked.draws, robot)
     chosen: Any = asked.future
     for name in asked.function:

@@ -13,8 +13,8 @@ from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
 from robophm.measured.held_values import Ints
 from robophm.measured.recordings import Recorded
-from robophm.transports.recordings.recording import MOST_UNNAMED, PLACES_NAMING
 from robophm.transports.recordings.salvage import Salvage
+from robophm.transports.signals.element_names import MOST_UNNAMED, PLACES_NAMING
 from robophm.transports.signals.message_units import field_unit
 
 GAP = 10.0

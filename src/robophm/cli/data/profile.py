@@ -40,7 +40,7 @@ def command(
     (recorded,) = recordings(bags, together=True)
     with counted(progress_console(), "reading"):
         found = stress_profiles(robot, recorded, bins, skip_missing=skip_missing)
-    source = ", ".join(path.name for path in bags[:3]) + (" …" if len(bags) > 3 else "")
+    source = ", ".join(path.name for path in recorded.paths[:3]) + (" …" if len(recorded.paths) > 3 else "")
     notes = said(found.notes)
     if to:
         write(to, task_text(found, f"as in {source}", source))

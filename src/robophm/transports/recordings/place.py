@@ -40,3 +40,10 @@ class Place:
     """Schemes of the addresses of its files."""
     open: Callable[[str], RemoteFile]
     """The file at an address. Raises SourceError where there is none, or it cannot be read."""
+
+
+def without_query(address: str) -> str:
+    """Return an address as it may be shown: without a query, which may let anybody read, and without a password."""
+    scheme, _, rest = address.partition("?")[0].partition("://")
+    host, slash, path = rest.partition("/")
+    return f"{scheme}://{host.rpartition('@')[2]}{slash}{path}"

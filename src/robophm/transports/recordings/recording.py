@@ -22,7 +22,15 @@ from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import SECOND, Sample, split_signal
 from robophm.health.clock_jumps import CLOCK_JUMP, stretches
 from robophm.transports.recordings.files import EmptyError, reading
-from robophm.transports.signals.element_names import Names, NotNamedError, add_names, name_getter, names_in
+from robophm.transports.signals.element_names import (
+    MOST_UNNAMED,
+    PLACES_NAMING,
+    Names,
+    NotNamedError,
+    add_names,
+    name_getter,
+    names_in,
+)
 from robophm.transports.signals.message_type import (
     MessageType,
     field_getter,
@@ -37,12 +45,6 @@ if TYPE_CHECKING:
     from rosbags.interfaces import Connection
 
     from robophm.transports.recordings.columns.pieces import PiecedFile, TopicExtent
-
-MOST_UNNAMED = 20
-"""Messages of a topic that bring no new names of elements, after which no more are asked for some."""
-
-PLACES_NAMING = 4
-"""Places in a file, as far apart, from which on messages are looked into for names."""
 
 LONGEST_NAMING = 1 << 18
 """Bytes of a message, beyond which it is not looked into for names."""
@@ -241,11 +243,14 @@ class Recording(SignalSource):
 
     def _raw(self, wanted: Mapping[str, list[tuple[str, str]]]) -> Iterator[tuple[int, _Reading, bytes]]:
         """The messages of these topics, in receipt order, and how they become samples."""
+        from robophm.transports.recordings.columns.learnt_fields import learn_fields
+
         known = {connection.topic for file in self._files for connection in file.connections}
         for topic in wanted:
             if topic not in known:
                 name = self._name if self._files else "closed recording"
                 raise SourceError(f"{name}: no topic '{topic}'{nearest(topic, known)}")
+        learn_fields(self._files, {topic: [field for _, field in each] for topic, each in wanted.items()})
         self.notes = Counter(self._found)
         streams = [self._of(file, readings_of(file, wanted, self.notes)) for file in self._files]
         # merge() looks at every message; one file is in order already

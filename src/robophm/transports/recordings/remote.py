@@ -20,7 +20,7 @@ import numpy as np
 from robophm.core.errors import PlugError, SourceError, nearest
 from robophm.core.registry import load_plug, plugs
 from robophm.transports.recordings.format import MessageFormat
-from robophm.transports.recordings.place import Place, Range, RangesError, RemoteFile
+from robophm.transports.recordings.place import Place, Range, RangesError, RemoteFile, without_query
 from robophm.transports.recordings.recognising import look_at
 
 PLACES = "robophm.transports.recordings.places"
@@ -140,7 +140,7 @@ class Fetched:
 
 
 class RemotePath(_HERE):  # type: ignore[valid-type, misc]
-    """The path of a copy here; it is called by the address of what it is a copy of."""
+    """The path of a copy here, called by the address of what it is a copy of, without what stands behind ``?``."""
 
     address = ""
     fetched: Fetched
@@ -169,7 +169,8 @@ def here(path: str | Path) -> Path:
         return path if isinstance(path, Path) else Path(path)  # to make one of one takes as long as to look
     scheme, rest = address[1].lower(), address[2]
     if scheme not in _places():
-        raise SourceError(f"{scheme}://{rest}: no place of recordings '{scheme}'{nearest(scheme, _places())}")
+        plain = without_query(f"{scheme}://{rest}")
+        raise SourceError(f"{plain}: no place of recordings '{scheme}'{nearest(scheme, _places())}")
     with _lock:
         return _arrived(f"{scheme}://{rest}", _places()[scheme])
 
@@ -177,11 +178,12 @@ def here(path: str | Path) -> Path:
 @cache
 def _arrived(address: str, place: Place) -> RemotePath:
     file = place.open(address)
+    shown = without_query(address)
     if not file.size:
-        raise SourceError(f"{address}: is empty; expected a recording")
+        raise SourceError(f"{shown}: is empty; expected a recording")
     folder = Path(tempfile.mkdtemp(dir=_folder()))
-    path = RemotePath(folder / address.rstrip("/").rpartition("/")[2])
-    path.address = address
+    path = RemotePath(folder / shown.rstrip("/").rpartition("/")[2])
+    path.address = shown
     path.fetched = Fetched(file, path)
     edge = min(_EDGE, file.size)
     path.fetched.bring([(at, at + edge) for at in (0, file.size // 2, file.size - edge)])

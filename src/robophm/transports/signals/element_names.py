@@ -27,6 +27,12 @@ _NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*\Z", re.ASCII)
 MOST_NAMES = 50
 """The most names that are kept to say which there are."""
 
+MOST_UNNAMED = 20
+"""Messages of a topic that bring no new names of elements, or fields, after which no more are asked for some."""
+
+PLACES_NAMING = 4
+"""Places in a file, as far apart, from which on messages are looked into for names, or for fields."""
+
 DEEPEST = 20
 """Messages in messages, beyond which nothing is looked for."""
 

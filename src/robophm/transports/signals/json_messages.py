@@ -1,4 +1,4 @@
-"""Messages in JSON, whose numbers a JSON Schema names.
+"""Messages in JSON or CBOR, whose numbers a JSON Schema names, or nobody but the messages themselves.
 
 What ``properties`` of objects say is taken, within them and in items of arrays, and through ``$ref`` within the schema;
 what may be of one type or another is left out unless only ``null`` is the other.
@@ -7,10 +7,12 @@ what may be of one type or another is left out unless only ``null`` is the other
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import lru_cache
 from typing import Any
 
 from robophm.core.errors import SourceError
+from robophm.transports.signals.element_names import DEEPEST
 from robophm.transports.signals.plain_messages import (
     Definitions,
     Described,
@@ -21,15 +23,77 @@ from robophm.transports.signals.plain_messages import (
     definition,
 )
 
+LEARNT = "learnt from messages"
+"""Comment of a schema that nobody wrote."""
+
+MOST_FIELDS = 1000
+"""Fields that are learnt of one type of messages."""
+
+MOST_ELEMENTS = 50
+"""Elements of an array that are looked at for their fields."""
+
 _TYPES = {"number": "float64", "integer": "int64", "boolean": "bool", "string": "string"}
 _LONGEST_INTEGER = 19
 """Characters of an integer that 64 bits are sure to hold."""
 
+_WIDER = ("string", "boolean", "number")
+"""Kinds of values of which a field that has several is the last: where it is a text it is no number then."""
 
-def described(name: str, schema: bytes) -> Described:
+_WITHOUT_NAME = "value"
+"""The field of a message that is a number or an array, and no object."""
+
+
+def described(name: str, schema: bytes, encoding: str = "json") -> Described:
     """Return the type of messages that a JSON Schema describes. Raises SourceError."""
+    parse = parser(encoding)
     if not schema:
-        raise SourceError("is in JSON without a JSON Schema, so that nothing says which numbers there are")
+        raise SourceError("has no schema, and no message that was looked into says which fields there are")
+    root, definitions = _defined(name, schema)
+    plain = PlainMessages(definitions, _value_of)
+    learnt = root.get("$comment") == LEARNT
+
+    def decode(raw: bytes) -> Any:
+        message = parse(raw)
+        if not isinstance(message, dict):
+            if not learnt:
+                raise ValueError("no object")
+            message = {_WITHOUT_NAME: message}
+        return plain.of(name, message)
+
+    return Described(definitions, decode)
+
+
+def parser(encoding: str) -> Callable[[bytes], Any]:
+    """Return what makes a Python object of a message in JSON or CBOR, within bounds. Raises SourceError."""
+    if encoding == "json":
+        return _from_json
+    try:
+        import cbor2
+    except ImportError:
+        raise SourceError("needs cbor2; install it with `pip install 'robophm[cbor]'`") from None
+
+    def from_cbor(raw: bytes) -> Any:
+        check_length(raw)
+        return cbor2.loads(raw, semantic_decoders=_NOT_TWICE)
+
+    return from_cbor
+
+
+def _from_json(raw: bytes) -> Any:
+    check_length(raw)
+    return json.loads(raw, parse_int=_integer)
+
+
+def _refuse(*_: Any) -> Any:
+    raise ValueError("a part that is named to be there twice")
+
+
+_NOT_TWICE = {28: _refuse, 29: _refuse}
+"""Tags of CBOR by which one part may be in many places, so that some bytes become any number of objects."""
+
+
+def _defined(name: str, schema: bytes) -> tuple[Mapping[str, Any], Definitions]:
+    """A schema, and the types of messages that it describes. Raises SourceError."""
     try:
         root = json.loads(schema)
     except (ValueError, RecursionError) as error:
@@ -38,16 +102,64 @@ def described(name: str, schema: bytes) -> Described:
         raise SourceError("its JSON Schema is no object")
     definitions: Definitions = {}
     _Schema(root, definitions).define(name, root, ())
-    plain = PlainMessages(definitions, _value_of)
+    return root, definitions
 
-    def decode(raw: bytes) -> Any:
-        check_length(raw)
-        message = json.loads(raw, parse_int=_integer)
-        if not isinstance(message, dict):
-            raise ValueError("no object")
-        return plain.of(name, message)
 
-    return Described(definitions, decode)
+@lru_cache(maxsize=256)
+def says_fields(schema: bytes) -> bool:
+    """Whether somebody wrote a schema that says fields of messages, be it damaged: otherwise only they can."""
+    try:
+        root, definitions = _defined("", schema or b"{}")
+    except (SourceError, RecursionError):
+        return True
+    return bool(definitions[""][1]) and root.get("$comment") != LEARNT
+
+
+class LearntSchema:
+    """A JSON Schema that is made of messages, field by field, as they come."""
+
+    def __init__(self) -> None:
+        self._root: dict[str, Any] = {"$comment": LEARNT, "type": ["object"]}
+        self._fields = 0
+
+    @property
+    def schema(self) -> bytes:
+        """Return the schema; none where no message said a field."""
+        return json.dumps(self._root).encode() if self._fields else b""
+
+    def learn(self, message: Any) -> bool:
+        """Add what another message has; return whether that was anything new."""
+        return self._learn(self._root, message if isinstance(message, dict) else {_WITHOUT_NAME: message}, 0)
+
+    def _learn(self, node: dict[str, Any], value: Any, depth: int) -> bool:
+        kinds: list[str] = node.setdefault("type", [])
+        new = False
+        if isinstance(value, dict) and depth < DEEPEST:
+            new = _add(kinds, "object")
+            properties = node.setdefault("properties", {})
+            for name, one in value.items():
+                if isinstance(name, str) and (name in properties or self._fields < MOST_FIELDS):
+                    self._fields += name not in properties
+                    new = self._learn(properties.setdefault(name, {}), one, depth + 1) or new
+        elif isinstance(value, list) and depth < DEEPEST:
+            new = _add(kinds, "array")
+            for one in value[:MOST_ELEMENTS]:
+                new = self._learn(node.setdefault("items", {}), one, depth + 1) or new
+        elif isinstance(value, int | float | str):
+            kind = "string" if isinstance(value, str) else "boolean" if isinstance(value, bool) else "number"
+            new = _add(kinds, kind)
+        return new
+
+
+def _add(kinds: list[str], kind: str) -> bool:
+    """Add a kind of values to those that a field has; return whether they are others then."""
+    known = next((one for one in kinds if one in _WIDER), None)
+    if kind in kinds or (known and kind in _WIDER and _WIDER.index(kind) < _WIDER.index(known)):
+        return False
+    if known and kind in _WIDER:
+        kinds.remove(known)
+    kinds.append(kind)
+    return True
 
 
 class _Schema:

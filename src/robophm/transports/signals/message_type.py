@@ -43,7 +43,7 @@ _STAMPS = (
 )  # fmt: skip
 """Fields in which a message says its time, the first in ROS, the last two in Foxglove's types."""
 
-_DESCRIBED = ("json", "protobuf")
+_DESCRIBED = ("json", "cbor", "protobuf")
 """Encodings whose schemas other modules read."""
 
 _ONLY_IN_CDR = "structure_needs_at_least_one_member"
@@ -92,7 +92,7 @@ def message_type(connection: Connection) -> MessageType:
     """Return the type by which a connection's messages are decoded. Raises SourceError where they cannot be."""
     encoding = getattr(connection.ext, "serialization_format", "ros1")
     if encoding not in ("cdr", "ros1", *_DESCRIBED):
-        expected = f"cdr, ros1, {' or '.join(_DESCRIBED)}"
+        expected = f"cdr, ros1, {', '.join(_DESCRIBED[:-1])} or {_DESCRIBED[-1]}"
         raise SourceError(f"topic '{connection.topic}' is encoded as '{encoding}'; expected {expected}")
     try:
         if encoding in _DESCRIBED:
@@ -129,8 +129,11 @@ def _described_type(name: str, schema: str, encoding: str) -> MessageType:
     """The type that another encoding's schema, a byte a letter, describes."""
     from robophm.transports.signals import json_messages, protobuf_messages
 
-    describing = {"json": json_messages.described, "protobuf": protobuf_messages.described}[encoding]
-    definitions, decode = describing(name, schema.encode("latin-1"))
+    content = schema.encode("latin-1")
+    if encoding == "protobuf":
+        definitions, decode = protobuf_messages.described(name, content)
+    else:
+        definitions, decode = json_messages.described(name, content, encoding)
     if _size(definitions, name, {}) > LARGEST_TYPE:
         raise SourceError(f"its schema has over {LARGEST_TYPE} fields")
     known = {*numeric_fields(definitions, name)}

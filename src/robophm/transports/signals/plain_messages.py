@@ -22,6 +22,9 @@ MOST_TYPES = 2000
 Definitions = dict[str, Any]
 """Types of messages by name, as rosbags holds them: constants, and fields with what each is."""
 
+_MOST_BITS = 1023
+"""Bits of a whole number, beyond which it may be none that a float can hold."""
+
 _NAME = re.compile(r"(?!__)[A-Za-z_][A-Za-z0-9_]*\Z")
 
 
@@ -99,6 +102,8 @@ def _attribute(field: str) -> str:
 
 
 def _number(value: Any) -> float:
+    if isinstance(value, int) and value.bit_length() > _MOST_BITS:
+        return math.copysign(math.inf, value)
     return value if isinstance(value, int | float) else math.nan
 
 

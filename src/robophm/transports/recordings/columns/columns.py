@@ -16,6 +16,7 @@ from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import split_signal
 from robophm.transports.recordings.columns.decoding import ColumnDecoder, Receipts
 from robophm.transports.recordings.columns.drive import opened
+from robophm.transports.recordings.columns.learnt_fields import learn_fields
 from robophm.transports.recordings.columns.pieces import MOST_TIME, Messages, Piece, PiecedFile
 from robophm.transports.recordings.columns.splits import splits_joined
 from robophm.transports.recordings.columns.topic_columns import Block, TopicColumns, joined_columns, rows_of
@@ -95,12 +96,14 @@ def blocks_of(
     for topic in wanted:
         if topic not in known:
             raise SourceError(f"{name}: no topic '{topic}'{nearest(topic, known)}")
+    learn_fields(files, wanted)
     names = Names(notes)
     return _blocks([_Source(file, wanted, notes, names, start, end) for file in splits_joined(files)], notes)
 
 
 def recorded_topics(path: str | Path) -> dict[str, tuple[str, tuple[str, ...]]]:
-    """Return the type of messages and their numeric fields for each topic of a recording. No message is read.
+    """Return the type of messages and their numeric fields for each topic of a recording. No message is read,
+    but where only they say which fields there are.
 
     ``[]`` in a field stands for the index of an element. There are no fields where messages cannot be decoded.
 

@@ -70,8 +70,6 @@ class Db3File(MappedFile, RowsFile):
                     self.joins = bool(self._found and not self._found[1])
         except (sqlite3.Error, UnicodeDecodeError) as error:
             raise SourceError(f"{path}: cannot be read: {error}") from error
-        except MemoryError:  # what SQLite says of some damage, with next to no memory taken
-            raise SourceError(f"{path}: cannot be read: database disk image is malformed") from None
 
     @contextmanager
     def _opened(self) -> Iterator[sqlite3.Connection]:
@@ -90,7 +88,10 @@ class Db3File(MappedFile, RowsFile):
                 return left < 0
 
             database.set_progress_handler(spent, 10_000)
-            yield database
+            try:
+                yield database
+            except MemoryError:  # what SQLite says of some damage, with next to no memory taken
+                raise sqlite3.DatabaseError("database disk image is malformed") from None
 
     @property
     def weight(self) -> int:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.chunked import ChunkedFile
 from robophm.transports.recordings.columns.kept import keep, take
+from robophm.transports.recordings.columns.learnt_fields import learn_fields
 from robophm.transports.recordings.columns.mapped import SMALL, MappedFile
 from robophm.transports.recordings.columns.pieces import MOST_TIME, PiecedFile
 from robophm.transports.recordings.files import (
@@ -57,7 +58,9 @@ def opened(paths: Iterable[str | Path], notes: Counter[str], stack: ExitStack) -
     if failed and not files:
         raise failed[0]
     notes.update(f"lost: {error}" for error in failed)
-    return _in_order(files) if len(files) > 1 else files
+    files = _in_order(files) if len(files) > 1 else files
+    learn_fields(files)
+    return files
 
 
 def _in_order(files: Iterable[PiecedFile]) -> list[PiecedFile]:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 SCHEMA, CHANNEL = 3, 4
 """Opcodes of records."""
 
-_SCHEMAS = {"json": "jsonschema", "protobuf": "protobuf"}
+_SCHEMAS = {"json": "jsonschema", "cbor": "jsonschema", "protobuf": "protobuf"}
 """The language of schemas by the encoding of messages that are not of ROS."""
 
 Schemas = dict[int, tuple[str, str, bytes]]

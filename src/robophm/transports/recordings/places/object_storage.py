@@ -7,6 +7,7 @@ Who may read says the environment, as of the clouds' own programs: ``AWS_ACCESS_
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -14,7 +15,7 @@ from typing import Any
 from urllib.parse import unquote, urlsplit
 
 from robophm.core.errors import SourceError
-from robophm.transports.recordings.place import Place, Range, RangesError
+from robophm.transports.recordings.place import Place, Range, RangesError, without_query
 
 _AT_ONCE = 8
 """Requests that are under way at once."""
@@ -25,6 +26,11 @@ _RETRIES: Any = {"max_retries": 2}
 _ASKS_MACHINE = "169.254.169.254"
 """The address at which a machine in a cloud is asked who it is, where nothing else says that."""
 
+_WEB = ("http", "https")
+"""Schemes whose addresses may have a query, as of links that are signed: it is never shown."""
+
+_QUERY = re.compile(r"\?[^\s'\")\]]*")
+
 _LONGEST = 200
 """Letters of somebody else's error that are told."""
 
@@ -33,20 +39,25 @@ class StoredFile:
     """A file on a web server or in object storage. Raises SourceError where there is none, or obstore is missing."""
 
     def __init__(self, address: str) -> None:
-        self._address = address
+        self._address = without_query(address)
         try:
             from obstore.store import from_url
         except ImportError:
-            raise SourceError(f"{address}: needs obstore; install it with `pip install 'robophm[remote]'`") from None
+            raise SourceError(
+                f"{self._address}: needs obstore; install it with `pip install 'robophm[remote]'`"
+            ) from None
         parts = urlsplit(address)
-        if parts.query or parts.fragment or parts.username:
-            plain = address.partition("?")[0].rpartition("@")[2]
-            raise SourceError(f"{plain}: has more than a path; expected an address without '?', '#' or '@'")
-        options: Any = _LIMITS | ({"allow_http": True} if parts.scheme in ("http", "s3") else {})
+        asked = f"?{parts.query}" if parts.query else ""
+        self._signed = bool(asked)
+        if parts.fragment or parts.username or (asked and parts.scheme not in _WEB):
+            kinds = "'#' or '@'" if parts.scheme in _WEB else "'?', '#' or '@'"
+            raise SourceError(f"{self._address}: has more than a path; expected an address without {kinds}")
+        options: Any = _LIMITS | {"allow_http": parts.scheme != "https"}
         with self._told():
-            self._store = from_url(f"{parts.scheme}://{parts.netloc}", client_options=options, retry_config=_RETRIES)
+            root = f"{parts.scheme}://{parts.netloc}{'/' * bool(asked)}{asked}"
+            self._store = from_url(root, client_options=options, retry_config=_RETRIES)
             self._path = unquote(parts.path).lstrip("/")
-            found = self._store_head()
+            found = self._asked() if asked else self._store_head()
         self.size = int(found["size"])
         self.changed = found["last_modified"].timestamp()
         self._same: Any = {"if_match": found["e_tag"]} if found["e_tag"] else {}
@@ -56,6 +67,16 @@ class StoredFile:
         import obstore
 
         return obstore.head(self._store, self._path)
+
+    def _asked(self) -> Any:
+        """What is said of the file by who gives some of it: a signed address often lets its reader do nothing else."""
+        import obstore
+        from obstore.exceptions import NotSupportedError
+
+        try:
+            return obstore.get(self._store, self._path, options={"range": (0, 1)}).meta
+        except NotSupportedError:  # of ranges nothing is known there
+            return obstore.get(self._store, self._path).meta
 
     def parts(self, ranges: Sequence[Range]) -> Iterator[tuple[int, bytes]]:
         """Yield the bytes of each range."""
@@ -92,15 +113,17 @@ class StoredFile:
         except (known.NotFoundError, FileNotFoundError):
             raise SourceError(f"{self._address}: no such file") from None
         except (known.PermissionDeniedError, known.UnauthenticatedError, PermissionError):
-            raise SourceError(f"{self._address}: may not be read; expected who may in the environment") from None
+            signed = "; its link may have run out, or be cut: it may have to stand in quotes"
+            said = signed if self._signed else "; expected who may in the environment"
+            raise SourceError(f"{self._address}: may not be read{said}") from None
         except known.PreconditionError:
             raise SourceError(f"{self._address}: was changed while it was read") from None
-        except known.NotSupportedError as error:
-            raise RangesError from error
+        except known.NotSupportedError:
+            raise RangesError from None
         except (known.BaseError, OSError, ValueError) as error:
-            reason = " ".join(str(error).split())
+            reason = _QUERY.sub("", " ".join(str(error).split()))
             if "range" in reason.lower():
-                raise RangesError from error
+                raise RangesError from None  # whose text may have the query
             if _ASKS_MACHINE in reason:
                 reason = "nobody says who may read it; expected that in the environment, as AWS_ACCESS_KEY_ID"
             shown = reason if len(reason) <= _LONGEST else f"{reason[:_LONGEST]}…"

@@ -9,8 +9,8 @@ import tempfile
 import traceback
 import warnings
 from collections import Counter
-from collections.abc import Iterable, Iterator
-from contextlib import closing
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import closing, suppress
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -23,6 +23,9 @@ from robophm.transports.recordings.recording import Recording
 from . import log_judge
 from .mutate import Mutant
 from .seeds import FIELDS, MEMORY, TOPICS, Rows, numbers, truth, typestore
+
+Peers = tuple[tuple[str, Callable[[Path, int], Rows]], ...]
+"""Names of others who read recordings, and how."""
 
 _SAID = re.compile(r"lost|unreadable|looked through|in the index|damaged|backwards")
 
@@ -129,9 +132,14 @@ def counted(rows: Rows, topics: Iterable[str]) -> Counter[tuple[str, int, str]]:
     return Counter((topic, time, repr(values)) for topic in topics for time, values in rows.get(topic, ()))
 
 
-def compare(ours: Read | SourceError, mutant: Mutant, path: Path) -> Iterator[tuple[str, str]]:
+def peers_of(mutant: Mutant, slow: bool) -> Peers:
+    """The peers that a file is given to, the slow ones among them or not."""
+    return () if mutant.log else (*ALWAYS.get(mutant.suffix, ()), *(PEERS[mutant.suffix] if slow else ()))
+
+
+def compare(ours: Read | SourceError, mutant: Mutant, path: Path, peers: Peers) -> Iterator[tuple[str, str]]:
     """What every peer makes of the file: 'refuses', 'agrees', 'ours says what is lost', or where they differ."""
-    for name, peer in () if mutant.log else PEERS[mutant.suffix]:
+    for name, peer in peers:
         if mutant.beside and peer is _rosbags:  # which does not look into a log
             continue
         try:
@@ -192,20 +200,33 @@ def _rosbags(path: Path, _: int) -> Rows:
 
 
 def _table(path: Path, ros: int) -> Rows:
-    """The rows of the table of messages as SQLite finds them in it, with what was committed in the log, by no index."""
-    rows: Rows = {}
+    """The rows of the table of messages as SQLite finds them in it, with what was committed in the log, by no index.
+
+    Where it refuses, those that it gives before, from either end; one that does not decode is none.
+    """
+    each: dict[int, tuple[Any, int, bytes]] = {}
     with tempfile.TemporaryDirectory(dir=MEMORY) as folder:
         copy = Path(folder) / path.name
         shutil.copy(path, copy)
         if (log := path.with_name(path.name + "-wal")).exists():
             shutil.copy(log, copy.with_name(log.name))
         with closing(sqlite3.connect(copy)) as database:
+            database.execute("PRAGMA synchronous = OFF")  # it is a copy
+            database.execute("PRAGMA writable_schema = ON")  # else a file that was cut is refused
             topics = dict(database.execute("SELECT id, name FROM topics NOT INDEXED"))
-            for topic, time, raw in database.execute("SELECT topic_id, timestamp, data FROM messages NOT INDEXED"):
-                if (name := topics.get(topic)) in TOPICS:
-                    message = typestore(ros).deserialize_cdr(raw, TOPICS[name])
-                    rows.setdefault(name, []).append((time, numbers(name, message)))
-    return rows
+            for order in ("", "DESC"):
+                rows = database.execute(
+                    f"SELECT rowid, topic_id, timestamp, data FROM messages NOT INDEXED ORDER BY rowid {order}"
+                )
+                with suppress(sqlite3.Error):
+                    each.update((row, (topic, time, raw)) for row, topic, time, raw in rows)
+    found: Rows = {}
+    for topic, time, raw in each.values():
+        if (name := topics.get(topic)) in TOPICS:
+            with suppress(Exception):
+                value = numbers(name, typestore(ros).deserialize_cdr(raw, TOPICS[name]))
+                found.setdefault(name, []).append((time, value))
+    return found
 
 
 def _mcap(path: Path, ros: int) -> Rows:
@@ -240,8 +261,10 @@ def _one_by_one(path: Path, _: int) -> Rows:
     return rows
 
 
-PEERS = {
+PEERS: dict[str, Peers] = {
     ".mcap": (("mcap", _mcap), ("rosbags", _rosbags), ("one by one", _one_by_one)),
     ".bag": (("rosbags", _rosbags), ("one by one", _one_by_one)),
-    ".db3": (("rosbags", _rosbags), ("one by one", _one_by_one), ("the table", _table)),
+    ".db3": (("rosbags", _rosbags), ("one by one", _one_by_one)),
 }
+ALWAYS: dict[str, Peers] = {".db3": (("the table", _table),)}
+"""Peers that every file is given to; the others are slow."""

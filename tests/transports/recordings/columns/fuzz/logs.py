@@ -13,7 +13,7 @@ from .seeds import SECOND, STEPS, T0, Seed
 Samples = dict[str, list[tuple[int, float]]]
 """By signal: time [ns] and value of each sample."""
 
-FORMATS = ("bin", "tlog", "ulg", "csv", "parquet", "json", "protobuf")
+FORMATS = ("bin", "tlog", "ulg", "csv", "parquet", "json", "cbor", "protobuf")
 
 COUNT, VALUES, ALL = "count", "values", "all"
 """What of a file one change cannot take away or alter unsaid: samples; values, by checksums; times too."""
@@ -40,7 +40,7 @@ class LogSeed(Seed):
 def seeds(format_: str) -> Iterator[LogSeed]:
     """The sound files of a format."""
     made = {"bin": _bin, "tlog": _tlog, "ulg": _ulg, "csv": _csv, "parquet": _parquet, "json": _json,
-            "protobuf": _protobuf}  # fmt: skip
+            "cbor": _cbor, "protobuf": _protobuf}  # fmt: skip
     yield from made[format_]()
 
 
@@ -164,6 +164,23 @@ def _json() -> Iterator[LogSeed]:
     channels = [writer.register_channel(topic, "json", schema) for topic, schema in (("/a", first), ("/b", second))]
     for (time, x), (_, y), (_, z) in zip(*(own for _, own in samples), strict=True):
         writer.add_message(channels[0], time, json.dumps({"x": x, "deep": {"y": y}}).encode(), time)
+        writer.add_message(channels[1], time, json.dumps({"z": z}).encode(), time)
+    writer.finish()
+    yield LogSeed("zstd", file.getvalue(), ".mcap", samples=samples, guard=ALL)
+
+
+def _cbor() -> Iterator[LogSeed]:
+    """Of messages without a schema, in CBOR and in JSON."""
+    import cbor2
+    from mcap.writer import Writer
+
+    samples = _rows("/a.x", "/a.deep.y", "/b.z")
+    file = io.BytesIO()
+    writer = Writer(file, chunk_size=300)
+    writer.start()
+    channels = [writer.register_channel("/a", "cbor", 0), writer.register_channel("/b", "json", 0)]
+    for (time, x), (_, y), (_, z) in zip(*(own for _, own in samples), strict=True):
+        writer.add_message(channels[0], time, cbor2.dumps({"x": x, "deep": {"y": y}}), time)
         writer.add_message(channels[1], time, json.dumps({"z": z}).encode(), time)
     writer.finish()
     yield LogSeed("zstd", file.getvalue(), ".mcap", samples=samples, guard=ALL)

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from . import log_judge
-from .judge import compare, judge, read
+from .judge import compare, judge, peers_of, read
 from .logs import LogSeed
 from .mutate import mutant, stock
 from .seeds import MEMORY
@@ -28,7 +28,7 @@ SPACE = 512 << 20
 """Bytes of address space that reading a file may take beyond what the process has when it begins."""
 
 PEERS_EVERY = 8
-"""Of so many files one is given to the peers too."""
+"""Of so many files one is given to slow peers too."""
 
 
 _PEERS = ", peers begun"
@@ -72,9 +72,9 @@ def examine(format_: str, number: int, seed: int, folder: Path) -> Iterator[Resu
     seconds = time.process_time() - begun
     memory = peak()
     result = Result(format_, number, verdict.outcome, verdict.fault, seconds, (), memory)
-    if number % PEERS_EVERY == 0 and not verdict.fault:
+    if (peers := peers_of(damaged, number % PEERS_EVERY == 0)) and not verdict.fault:
         yield result._replace(outcome=verdict.outcome + _PEERS)
-        result = result._replace(peers=tuple(compare(ours, damaged, path)))
+        result = result._replace(peers=tuple(compare(ours, damaged, path, peers)))
         if faults := [f"{what}: {how}" for what, how in result.peers if how]:
             result = result._replace(outcome="fault", fault=faults[0])
     yield result
