@@ -7,7 +7,7 @@ from scipy.stats import multivariate_t
 from robophm.learning.wear import shape_invariant
 from robophm.learning.wear.averaging import forecast
 from robophm.learning.wear.log_regression import COUNTS
-from robophm.learning.wear.shape_invariant import NOISE, RESOLVED, STRAY, Course, along
+from robophm.learning.wear.shape_invariant import NOISE, RESOLVED, STRAY, DegradationCurve, along
 
 
 def knee(age):
@@ -20,7 +20,7 @@ def quantiles(draws):
 
 
 AGES = np.arange(0.0, 1200.0, 10.0)
-TEACHER = Course(AGES, knee(AGES), 850.0)
+TEACHER = DegradationCurve(AGES, knee(AGES), 850.0)
 
 
 @pytest.mark.parametrize(("pace", "size"), [(1.0, 1.0), (1.25, 1.0), (0.8, 1.0), (1.0, 1.2), (1.0, 0.85)])
@@ -74,7 +74,7 @@ def test_intervals_hold_of_a_kind_that_goes_so():
         (_, mine), *others = courses
         end, *lives = (float(np.interp(1.0, np.maximum.accumulate(level), ages)) for _, level in courses)
         seen = ages <= 0.6 * end
-        teachers = [Course(a, level, life) for (a, level), life in zip(others, lives, strict=True)]
+        teachers = [DegradationCurve(a, level, life) for (a, level), life in zip(others, lives, strict=True)]
         low, _, high = quantiles(along(teachers, ages[seen], mine[seen], 500))
         held += low <= end - ages[seen][-1] <= high
     assert held >= 23
@@ -91,8 +91,8 @@ def _wanders(rng, count, step):
 def test_what_comes_after_the_end_and_single_bad_readings_change_little():
     ages = np.arange(0.0, 1000.0, 4.0)
     t = np.arange(0.0, 500.0, 4.0)
-    whole = Course(ages, knee(ages), 850.0)
-    stopped = Course(ages, np.where(ages < 900, knee(ages), -0.2), 850.0)
+    whole = DegradationCurve(ages, knee(ages), 850.0)
+    stopped = DegradationCurve(ages, np.where(ages < 900, knee(ages), -0.2), 850.0)
     bad = knee(t).copy()
     bad[[30, 90]] = 0.9
     clean, stood, spiked = (

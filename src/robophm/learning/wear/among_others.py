@@ -20,7 +20,7 @@ import numpy.typing as npt
 from robophm.core.errors import DataError
 from robophm.learning.wear.averaging import DRAWS, Forecast, checked, first_passage, forecast
 from robophm.learning.wear.log_regression import LIFE_SCATTER, Array, LogStudent, lasting
-from robophm.learning.wear.shape_invariant import Course, along
+from robophm.learning.wear.shape_invariant import DegradationCurve, along
 from robophm.learning.wear.stated_life import StatedLife
 
 PARTS = (0.0, 0.5, 0.8)
@@ -273,12 +273,12 @@ def _ways(now: _Trajectory, others: Sequence[_Trajectory], own: _Own | None, dra
     return ways
 
 
-def _nearest(now: _Trajectory, others: Sequence[_Trajectory]) -> list[Course]:
+def _nearest(now: _Trajectory, others: Sequence[_Trajectory]) -> list[DegradationCurve]:
     """Courses of those that came to the threshold, and to the present level in a time most like the unit's."""
     level = float(now.level[-1])
     came = [one for one in others if one.ended and one.at_end >= 1]
     came.sort(key=lambda one: abs((one.reached(level) or 0.0) - (now.reached(level) or 0.0)))
-    return [Course(one.times - one.times[0], one.wear, one.duration) for one in came[:FOLLOWED]]
+    return [DegradationCurve(one.times - one.times[0], one.wear, one.duration) for one in came[:FOLLOWED]]
 
 
 def _beforehand(ways: Iterable[str]) -> dict[str, float]:

@@ -47,7 +47,7 @@ _SCATTERS = np.sqrt(2) * LIFE_SCATTER * ndtri((1 + _LEVELS) / 2)  # of a pair; h
 
 
 @dataclass(frozen=True)
-class Course:
+class DegradationCurve:
     """Levels of another unit that came to the threshold: times since its first reading; shapes (readings,)."""
 
     times: Array
@@ -59,7 +59,7 @@ class Course:
 class _Curves:
     """Courses as tables of levels, that never fall, at even ages; shapes (courses, points)."""
 
-    def __init__(self, courses: Sequence[Course]) -> None:
+    def __init__(self, courses: Sequence[DegradationCurve]) -> None:
         from scipy.optimize import isotonic_regression  # takes long to load
 
         self.life = np.array([one.life for one in courses])
@@ -122,7 +122,7 @@ class _Candidates:
     noise: Array
 
 
-def along(courses: Sequence[Course], times: Array, levels: Array, draws: int, seed: int = 0) -> Array:
+def along(courses: Sequence[DegradationCurve], times: Array, levels: Array, draws: int, seed: int = 0) -> Array:
     """Draw the remaining time of a unit to level 1 along the courses of others; infinite beyond ``AHEAD`` lives.
 
     ``times`` since its first reading and ``levels`` of the unit, shapes (readings,). Shape (draws,).
