@@ -8,9 +8,9 @@ import pytest
 from scipy.optimize import minimize
 
 from robophm.core.errors import DataError
-from robophm.learning.wear.among_others import LIFE_SCATTER, Unit, forecast_among, stacked
+from robophm.learning.wear.among_others import Unit, forecast_among, stacked
 from robophm.learning.wear.averaging import forecast
-from robophm.learning.wear.log_regression import lasting
+from robophm.learning.wear.log_regression import LIFE_SCATTER, lasting
 
 CRACKS = Path(__file__).parents[4] / "shared/degradation/virkler_crack.csv"
 

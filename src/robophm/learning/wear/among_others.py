@@ -1,11 +1,12 @@
 """Forecasts of wear from the unit's own past and from others of its kind, worn out or still running.
 
-Three ways of foretelling are weighed by how well each foretells the others, one by one, from where the unit is now:
+Four ways of foretelling are weighed by how well each foretells the others, one by one, from where the unit is now:
 
 - its own past, by all degradation models (``averaging.py``), with the lives of the others as a prior;
 - the lives of the others, whatever the signal says;
 - how long others went on from the level where it is now, by how fast each had come there: from new, and through the
-  last part of the way. That is similarity to their courses, with as much of it kept as the others themselves show.
+  last part of the way. That is similarity to their courses, with as much of it kept as the others themselves show;
+- the courses of those most like it, at a pace and a size of its own (``shape_invariant.py``).
 """
 
 from __future__ import annotations
@@ -18,14 +19,16 @@ import numpy.typing as npt
 
 from robophm.core.errors import DataError
 from robophm.learning.wear.averaging import DRAWS, Forecast, checked, first_passage, forecast
-from robophm.learning.wear.log_regression import Array, LogStudent, lasting
+from robophm.learning.wear.log_regression import LIFE_SCATTER, Array, LogStudent, lasting
+from robophm.learning.wear.shape_invariant import DegradationCurve, along
 from robophm.learning.wear.stated_life import StatedLife
 
 PARTS = (0.0, 0.5, 0.8)
 """Shares of the present level from which the way to it is looked at."""
 
-ASKED = 6
-"""The largest number of other units whose known ends the degradation models foretell, so as to be weighted by that."""
+ASKED, FOLLOWED = 6, 4
+"""The largest numbers of other units whose known ends the ways that take long foretell, so as to be weighted by that,
+and whose courses one unit is foretold along."""
 
 STEADY = 0.02
 """Noise of a level, as a share of the way to the threshold, down to which readings are averaged."""
@@ -33,11 +36,8 @@ STEADY = 0.02
 SPIKE = 6.0
 """Usual steps by which one reading alone may be off before it is left out."""
 
-BEFOREHAND = {"its own past": 0.4, "others' lives": 0.05, "from": 0.55}
-"""Weights of the ways before anybody was asked: a trend that shows says more than age alone."""
-
-LIFE_SCATTER = 0.3
-"""Deviation of ln(life) that is expected of a kind: as of Weibull lives of shape 3 to 4, which parts that wear have."""
+BEFOREHAND = {"its own past": 1.0, "others' lives": 0.15, "from": 1.0, "along": 1.0}
+"""Weights of the ways before anybody was asked: alike, but a trend that shows says more than age alone."""
 
 STEPS = 200
 """Steps of the EM algorithm, after which weights stay."""
@@ -80,6 +80,11 @@ class _Trajectory:
         share = (level - self.level[k - 1]) / (self.level[k] - self.level[k - 1])
         return float(self.times[k - 1] + share * (self.times[k] - self.times[k - 1]) - self.times[0])
 
+    @property
+    def at_end(self) -> float:
+        """What it read when it ended, to a millionth."""
+        return float(np.interp(self.times[0] + self.duration, self.times, self.wear)) + 1e-6
+
     def until(self, time: float) -> _Trajectory:
         """Return the part of the trajectory that was known at a time since its first reading."""
         known = max(int(np.searchsorted(self.times - self.times[0], time, side="right")), 2)
@@ -94,8 +99,8 @@ def forecast_among(
 
     ``stated``: the life that is stated of the kind, which counts where no other has ended.
 
-    ``weights`` of what is returned has "others' lives" and "others from here" beside the unit's own models. Raises
-    DataError as ``forecast`` does, and for others without two readings.
+    ``weights`` of what is returned has "others' lives", "others from here" and "along others' courses" beside the
+    unit's own models. Raises DataError as ``forecast`` does, and for others without two readings.
     """
 
     def alone_if(law_ends: bool) -> Forecast:
@@ -125,7 +130,7 @@ def forecast_among(
     width = _width([*levels, mine])
     courses = [_course(one[0], wear, width, one[3]) for one, wear in zip(turned, levels, strict=True)]
     now = _Trajectory(t, mine, _level(mine, width), float(t[-1] - t[0]), False)
-    ways = _ways(now, courses, _Own(alone.passage))
+    ways = _ways(now, courses, _Own(alone.passage), draws)
     if "others' lives" not in ways:
         return by_stated_life()
     if not alone.shows:  # before damage shows its level tells nothing
@@ -137,6 +142,7 @@ def forecast_among(
     its_own = weights.get("its own past", 0.0)
     said = {name: its_own * share for name, share in alone.weights.items()}
     said["others' lives"] = weights["others' lives"]
+    said["along others' courses"] = weights.get("along", 0.0)
     said["others from here"] = sum(share for name, share in weights.items() if name.startswith("from"))
     return replace(alone, passage=passage, weights=said, surprise=max(alone.surprise, 1 - its_own))
 
@@ -144,7 +150,7 @@ def forecast_among(
 class _Own:
     """The forecast of the unit's own models, as draws of the remaining time."""
 
-    def __init__(self, passage: Array, priors: Mapping[LogStudent, float] | None = None) -> None:
+    def __init__(self, passage: Array, priors: Mapping[_Way, float] | None = None) -> None:
         ends = np.sort(passage[np.isfinite(passage)])
         self.share = len(ends) / len(passage)
         if priors and len(ends) > 20:
@@ -244,8 +250,8 @@ def _width(levels: Sequence[Array]) -> int:
     return max(1, min(int(np.ceil(wanted)), int(np.median([len(one) for one in levels])) // 10))
 
 
-def _ways(now: _Trajectory, others: Sequence[_Trajectory], own: _Own | None) -> dict[str, _Way]:
-    """Every forecast of the remaining time, by name of the way in which it is made."""
+def _ways(now: _Trajectory, others: Sequence[_Trajectory], own: _Own | None, draws: int) -> dict[str, _Way]:
+    """Every forecast of the remaining time, by name of the way in which it is made; without draws those without any."""
     passed = float(now.times[-1] - now.times[0])
     ended = np.array([one.ended for one in others], dtype=bool)
     lives = np.array([one.duration for one in others])
@@ -258,11 +264,21 @@ def _ways(now: _Trajectory, others: Sequence[_Trajectory], own: _Own | None) -> 
     for name, parts in {**{f"from {part:g}": (part,) for part in PARTS}, "from all": PARTS}.items():
         if from_here := _from_here(now, others, level, parts, passed):
             ways[name] = from_here
+    if draws and (courses := _nearest(now, others)):
+        ways["along"] = _Own(along(courses, now.times - now.times[0], now.wear, draws))
     if own:
         shares = _beforehand(ways)
-        priors = {way: shares[name] for name, way in ways.items() if isinstance(way, LogStudent)}
+        priors = {way: shares[name] for name, way in ways.items()}
         ways["its own past"] = _Own(np.append(own.ends, np.full(_infinite(own), np.inf)), priors)
     return ways
+
+
+def _nearest(now: _Trajectory, others: Sequence[_Trajectory]) -> list[DegradationCurve]:
+    """Courses of those that came to the threshold, and to the present level in a time most like the unit's."""
+    level = float(now.level[-1])
+    came = [one for one in others if one.ended and one.at_end >= 1]
+    came.sort(key=lambda one: abs((one.reached(level) or 0.0) - (now.reached(level) or 0.0)))
+    return [DegradationCurve(one.times - one.times[0], one.wear, one.duration) for one in came[:FOLLOWED]]
 
 
 def _beforehand(ways: Iterable[str]) -> dict[str, float]:
@@ -314,14 +330,15 @@ def _weights(now: _Trajectory, others: Sequence[_Trajectory], ways: dict[str, _W
         if came is None or came >= one.duration:
             continue
         then = one.until(came)
-        rest = one.duration - float(then.times[-1] - then.times[0])
-        if rest <= 0:
+        left = one.duration - float(then.times[-1] - then.times[0])
+        if left <= 0:
             continue
-        own = _own_of(then) if asked < ASKED else None
-        asked += own is not None
-        for name, way in _ways(then, [other for other in others if other is not one], own).items():
+        slow = asked < ASKED
+        asked += slow
+        rest = [other for other in others if other is not one]
+        for name, way in _ways(then, rest, _own_of(then) if slow else None, 500 if slow else 0).items():
             if name in scores:
-                scores[name].append(max(float(way.log_density(rest)), WORST))
+                scores[name].append(max(float(way.log_density(left)), WORST))
     return stacked(prior, scores)
 
 

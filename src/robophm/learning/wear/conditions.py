@@ -17,9 +17,9 @@ import numpy as np
 
 from robophm.core.errors import DataError
 from robophm.hazard.acceleration import ABSOLUTE_ZERO, BOLTZMANN
-from robophm.learning.wear.among_others import LIFE_SCATTER, Unit, crossed, forecast_among
+from robophm.learning.wear.among_others import Unit, crossed, forecast_among
 from robophm.learning.wear.averaging import DRAWS, Forecast, forecast
-from robophm.learning.wear.log_regression import COUNTS, SCATTER, Array, lasting
+from robophm.learning.wear.log_regression import COUNTS, LIFE_SCATTER, SCATTER, Array, lasting
 from robophm.learning.wear.stated_life import StatedLife
 
 

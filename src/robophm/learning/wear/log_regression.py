@@ -22,6 +22,9 @@ SCATTER, COUNTS = 0.2, 3.0
 """Deviation of ln(duration) that is expected before others are seen, and how many of them that is worth: units made and
 loaded alike, of which level and pace are known."""
 
+LIFE_SCATTER = 0.3
+"""Deviation of ln(life) that is expected of a kind: as of Weibull lives of shape 3 to 4, which parts that wear have."""
+
 SLOPE, SLOPE_DEVIATION = 0.8, 0.4
 """Mean and deviation of the slopes together a priori: a unit that was slow so far mostly stays slow, if less so."""
 
