@@ -13,6 +13,7 @@ from robophm.core.errors import StoreError
 from robophm.stores.alarm_log import AlarmLog, AlarmsInMemory
 from robophm.stores.events import Event
 from robophm.stores.figures import FigureSeries
+from robophm.stores.service_requests import ServiceRequests
 
 POINTS = 1000
 """Points of a series, unless another number is asked for."""
@@ -26,6 +27,10 @@ MOST_EVENTS = 1000
 
 class NoRoomError(StoreError):
     """There is no room to save, or the disk fails: nothing was saved, and later it may be possible again."""
+
+
+class HeldError(StoreError):
+    """Somebody else goes on with a robot's past."""
 
 
 class Progress(NamedTuple):
@@ -118,18 +123,24 @@ class Store(ABC):
         progress: Iterable[Progress] = (),
         reports: Sequence[Mapping[str, Any]] = (),
         events: Sequence[Event] = (),
+        answers: Mapping[str, Mapping[str, Any]] = {},
     ) -> None:
         """Keep all of it, or none. A report replaces the one of the same time; old ones are thinned.
 
-        Events that reports and ledger tell of need not be given.
+        Events that reports and ledger tell of need not be given. ``answers``: to service requests, by their identity;
+        where one was withdrawn, WithdrawnError is raised.
 
         Raises StoreError, also where the ledger has been saved by somebody else since this store read it.
         """
 
     @contextmanager
     def alone(self, robot: str) -> Iterator[None]:
-        """Be the only one who goes on with a robot's past, as long as the context lasts. Raises StoreError if not."""
+        """Be the only one who goes on with a robot's past, as long as the context lasts. Raises HeldError if not."""
         yield
+
+    def service_requests(self, robot: str) -> ServiceRequests | None:
+        """Return the requests to note services of a robot; None where this kind of store takes none."""
+        return None
 
     def alarm_log(self, robot: str) -> AlarmLog:
         """Return the log of a robot's alarms; one that lasts as long as the store is open, unless it keeps a better."""
