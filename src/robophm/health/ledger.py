@@ -120,7 +120,7 @@ class Service(NamedTuple):
     by: str = ""
     """The person who said so; empty where that is not known."""
     note: str = ""
-    """What was said about it."""
+    """Words that were said about it."""
 
 
 class SuspectTime(NamedTuple):

@@ -19,7 +19,7 @@ from robophm.monitoring.live_tasks import LiveTasks
 from robophm.monitoring.look_ahead import LookAhead
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import MOST_REPORTS, REPAIR, ReportHistory, kept_ledger
-from robophm.monitoring.service_notes import Answers, taken_in
+from robophm.monitoring.service_notes import Answers, requests_in, taken_in
 from robophm.monitoring.silent_signals import SilentSignals
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.stores.events import Event
@@ -187,7 +187,7 @@ class _Watch:
 
         It happens between two samples, as it would if watching had ended and begun again here.
         """
-        requests = self.store.service_requests(self.robot.identity) if self.store else None
+        requests = requests_in(self.store, self.robot) if self.store else None
         if requests and (waiting := requests.waiting()):
             ledger, answers = taken_in(self.robot, self._monitor.ledger, waiting)
             with suppress(WithdrawnError):

@@ -20,7 +20,7 @@ from robophm.monitoring.replay import kept_ledger
 from robophm.monitoring.stored_past import unknown_robot
 from robophm.stores import Address, existing_store
 from robophm.stores.service_requests import ServiceRequest, ServiceRequests, WithdrawnError
-from robophm.stores.store import HeldError, Store
+from robophm.stores.store import HeldError, Store, TakesRequests
 
 WAIT = 10.0
 """Seconds that are waited for an answer, unless others are asked for."""
@@ -53,7 +53,7 @@ def note_in(
 ) -> list[Service]:
     """Note a service as ``note_service``, in an open store that knows the robot. Raises as it does."""
     find(robot, said.part)
-    requests = store.service_requests(robot.identity)
+    requests = requests_in(store, robot)
     if requests is None:
         with store.alone(robot.identity):
             ledger = kept_ledger(robot, store) or Ledger.new(robot)
@@ -89,9 +89,14 @@ def _answered(store: Store, robot: Robot, requests: ServiceRequests, key: str, w
     return [Service(*one[:4], *map(tuple, one[4:6]), *one[6:]) for one in answer["done"]]
 
 
+def requests_in(store: Store, robot: Robot) -> ServiceRequests | None:
+    """Return the requests that are left in a store; None where this kind of store takes none."""
+    return store.service_requests(robot.identity) if isinstance(store, TakesRequests) else None
+
+
 def answer_waiting(store: Store, robot: Robot, ledger: Ledger) -> None:
     """Take what waits into a ledger and keep it, where nobody else goes on with that past. Raises StoreError."""
-    requests = store.service_requests(robot.identity)
+    requests = requests_in(store, robot)
     if requests and (waiting := requests.waiting()):
         served, answers = taken_in(robot, ledger, waiting)
         with suppress(WithdrawnError):

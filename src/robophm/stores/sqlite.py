@@ -24,13 +24,13 @@ from robophm.stores.kept_history import HistoryOf, KeptHistory
 from robophm.stores.migration import known_version, migrate
 from robophm.stores.service_requests import ServiceRequests, keep_answers
 from robophm.stores.sqlite_alarms import SqliteAlarms
-from robophm.stores.store import HeldError, History, NoRoomError, Progress, Restored, Store
+from robophm.stores.store import HeldError, History, NoRoomError, Progress, Restored, Store, TakesRequests
 
 LONGEST_WAIT = 10.0
 """The most seconds to wait for others who write to the same store, or make it."""
 
 
-class SqliteStore(Store):
+class SqliteStore(Store, TakesRequests):
     """A store of robots' pasts in one SQLite file."""
 
     def __init__(self, where: str | os.PathLike[str]) -> None:

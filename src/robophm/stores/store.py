@@ -138,10 +138,6 @@ class Store(ABC):
         """Be the only one who goes on with a robot's past, as long as the context lasts. Raises HeldError if not."""
         yield
 
-    def service_requests(self, robot: str) -> ServiceRequests | None:
-        """Return the requests to note services of a robot; None where this kind of store takes none."""
-        return None
-
     def alarm_log(self, robot: str) -> AlarmLog:
         """Return the log of a robot's alarms; one that lasts as long as the store is open, unless it keeps a better."""
         logs: dict[str, AlarmLog] = vars(self).setdefault("_alarm_logs", {})
@@ -163,3 +159,11 @@ class Store(ABC):
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+class TakesRequests(ABC):
+    """A store in which people leave requests for whoever goes on with a robot's past."""
+
+    @abstractmethod
+    def service_requests(self, robot: str) -> ServiceRequests:
+        """Return the requests to note services of a robot."""
