@@ -54,7 +54,7 @@ def test_a_part_that_wears_is_due_when_one_of_its_equals_fails_with_the_chance_t
     assert one.due == pytest.approx(until(0.02), rel=1e-9)
     assert [one.early, one.median, one.late] == [pytest.approx(until(p), rel=1e-9) for p in (0.05, 0.5, 0.95)]
     half = eta * math.log(2) ** (1 / 3)
-    assert one.why == f"it wears out: it has aged 2000 h, of which half of all fail by {half:.4g}"
+    assert one.why == f"it wears out: it has aged 2000 h, and half of such parts fail by {half:.4g} h"
 
 
 def test_what_does_not_wear_is_useless_to_replace_and_what_is_unknown_is_said(robot):

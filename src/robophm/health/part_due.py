@@ -148,7 +148,9 @@ def _aged(outlook: Outlook, part: Component, rows: npt.NDArray[np.intp]) -> str:
     unit = CLOCK_UNITS[mode.clock]
     half = float(mode.life.quantile(0.5))
     more = f" (its failure mode {mode.path.removeprefix(part.path).lstrip('/')})" if len(part.modes) > 1 else ""
-    return f"it wears out: it has aged {outlook.age[i]:.4g} {unit}, of which half of all fail by {half:.4g}{more}"
+    return (
+        f"it wears out: it has aged {outlook.age[i]:.4g} {unit}, and half of such parts fail by {half:.4g} {unit}{more}"
+    )
 
 
 def added_hazard(outlook: Outlook, rows: npt.NDArray[np.intp]) -> Callable[[Array], Array]:

@@ -48,7 +48,6 @@ export default function Maintenance(): ReactNode {
   const [risk, setRisk] = useState("0.05");
   const [serving, setServing] = useState<Due | null>(null);
   const [found, setFound, ask] = useUpkeep(risk);
-  if (design && !design.valid) return <p>The design is not complete yet: nothing can be said of its upkeep.</p>;
   const listed = found?.due.filter((one) => one.state !== "useless") ?? [];
   const useless = found?.due.filter((one) => one.state === "useless") ?? [];
   return (
@@ -62,7 +61,8 @@ export default function Maintenance(): ReactNode {
           Calendar (iCal)
         </a>
       </div>
-      {!found && <p className="quiet">…</p>}
+      {design && !design.valid && <p className="trouble">The design is not complete yet: nothing can be said of its upkeep.</p>}
+      {!found && design?.valid && <p className="quiet">…</p>}
       {found && (
         <>
           <p className="answer-line" role="status">
@@ -73,11 +73,11 @@ export default function Maintenance(): ReactNode {
           {listed.length > 0 && (
             <section className="card">
               <h2>Due</h2>
-              <Table label="Parts that are due" columns={["Part", ["Due in", "number"], ["90 % fail within", "number"], "Why", ["Service", "spoken"]]}>
+              <ul className="alarms" aria-label="Parts that are due">
                 {listed.map((one) => (
-                  <Row key={one.part} one={one} serve={found.past ? () => setServing(one) : undefined} />
+                  <DueItem key={one.part} one={one} serve={found.past ? () => setServing(one) : undefined} />
                 ))}
-              </Table>
+              </ul>
               {found.others > 0 && <p className="small quiet">{moreText(found.others)}: they are less likely to fail within a year.</p>}
             </section>
           )}
@@ -132,31 +132,30 @@ function between(one: Due): string {
 
 const NEVER = { unknown: "unknown", useless: "never", still: "never", now: "now", ahead: "" };
 
-function Row({ one, serve }: { one: Due; serve?: () => void }): ReactNode {
+function DueItem({ one, serve }: { one: Due; serve?: () => void }): ReactNode {
   return (
-    <tr>
-      <td>{named(one)}</td>
-      <td className="number">{one.state === "now" ? <span className="state error">now</span> : one.due == null ? NEVER[one.state] : durationText(one.due)}</td>
-      <td className="number" title={one.median == null ? undefined : `median ${durationText(one.median)}`}>{between(one)}</td>
-      <td>
-        {one.why}
-        {!one.alone && ", told as if the parts that it depends on all worked"}
-        {one.served && (
-          <span className="quiet small">
-            {" "}
-            ({one.served.kind} {momentText(one.served.time)}{one.served.by && ` by ${one.served.by}`})
-          </span>
-        )}
-      </td>
-      <td><Serve one={one} serve={serve} /></td>
-    </tr>
+    <li>
+      <strong className={one.state === "now" ? "state error" : "due"}>{one.due && one.state === "ahead" ? durationText(one.due) : NEVER[one.state]}</strong>
+      <div className="grow">
+        <strong>{named(one)}</strong>
+        <p>
+          {one.why}
+          {!one.alone && ", told as if the parts that it depends on all worked"}
+        </p>
+        <p className="small quiet">
+          {one.state === "ahead" && `fails within ${between(one)} (90 %), median ${durationText(one.median)}`}
+          {one.served && ` · ${one.served.kind} ${momentText(one.served.time)}${one.served.by ? ` by ${one.served.by}` : ""}`}
+        </p>
+      </div>
+      <Serve one={one} serve={serve} />
+    </li>
   );
 }
 
 function Serve({ one, serve }: { one: Due; serve?: () => void }): ReactNode {
   return (
     <button disabled={!serve} title={serve ? undefined : "The robot has no past yet"} onClick={serve} aria-label={`Note a service of ${one.part}`}>
-      Serviced…
+      Note a service
     </button>
   );
 }
