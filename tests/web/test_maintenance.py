@@ -116,6 +116,8 @@ def test_a_service_is_noted_whether_the_robot_is_watched_or_not(cart: Path, monk
         (done,) = served.post("/api/maintenance/service", said("drive/motor", "c" * 8))
         assert failing(served) < stopped  # at once
         assert len(robophm.service(str(cart), "drive/motor", f"{cart}.past")) == 3
+        robophm.service(str(cart), "drive/brake", f"{cart}.past", replaced=True, by="by command")
+        assert served.get("/api/maintenance")["services"][0]["by"] == "by command"
 
 
 def test_without_a_past_nothing_is_noted(cart: Path) -> None:

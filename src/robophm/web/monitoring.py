@@ -248,11 +248,19 @@ class Monitoring:
             if store is None or robot.identity not in store.robots():
                 raise RobophmError("nothing is known of this robot's past yet; expected that it is watched first")
             done = note_in(store, robot, said, key=key)
-            run = self.run
-            if run and run.state != "running" and run.robot is robot:
-                look = _Looking(run, self.board, AlarmWatch(robot, store.alarm_log(robot.identity)))
-                look.warm(Monitor(robot, kept_ledger(robot, store)))
+        self.catch_up(robot)
         return done
+
+    def catch_up(self, robot: Robot) -> None:
+        """Look again at a robot that is watched no more, where services were noted since. Raises StoreError."""
+        run = self.run
+        if not run or run.state == "running" or run.robot is not robot or run.ledger is None:
+            return
+        with self.history() as store:
+            kept = kept_ledger(robot, store) if store else None
+            if store and kept and len(kept.services) != len(run.ledger.services):
+                look = _Looking(run, self.board, AlarmWatch(robot, store.alarm_log(robot.identity)))
+                look.warm(Monitor(robot, kept))
 
     def pasts(self, identity: str) -> list[Mapping[str, Any]]:
         """Return the pasts of a robot by its identity, as ledgers keep them: of the latest run, and of the store.

@@ -270,6 +270,7 @@ def services_told(robot: Robot, services: Sequence[Service]) -> list[ServiceDone
 
 def _ahead(service: ServiceOfRobot, risk: float) -> tuple[PreparedRobot, Ledger, UpkeepAhead]:
     prepared = service.prepared()
+    service.monitoring.catch_up(prepared.robot)
     exposure, ledger = service.past(prepared)
     with service.monitoring.alarm_log(prepared.robot) as log:
         alarms = [Alarm.of(one) for one in log.alarms(open_only=True)]
