@@ -125,3 +125,14 @@ def test_a_new_ledger_is_as_designed(robot):
     monitor = Monitor(robot, Ledger.new(robot))
     new, designed = (by_part(dues(one))["bearing"] for one in (outlook(monitor), as_designed(Plant(robot))))
     assert new.median == pytest.approx(designed.median, rel=1e-12)
+
+
+def test_of_many_parts_those_that_wear_come_first(monkeypatch):
+    monkeypatch.setattr("robophm.health.part_due.MOST", 1)
+    robot = parse("""
+schema_version: 1
+name: R
+components: {hot: {rate: 1e-3 /h}, old: {rate: 1e-6 /h, life: {distribution: weibull, shape: 2}}}
+""")
+    found = dues(as_designed(Plant(robot)))
+    assert ([one.part for one in found.parts], found.others) == (["old"], 1)

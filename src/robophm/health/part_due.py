@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from robophm.core.argument_checks import number
 from robophm.core.waiting_time import time_at
-from robophm.design.robot import CLOCK_UNITS, Component
+from robophm.design.robot import CLOCK_UNITS, Component, FailureMode
 from robophm.health.ledger import Ledger, Service
 from robophm.health.plant import Modes
 from robophm.health.prognosis import Outlook
@@ -26,7 +26,7 @@ RISK = 0.05
 """The chance of a failure that is taken, unless another is stated."""
 
 MOST = 200
-"""Parts whose time is looked for, those first that are likeliest to fail within a year; others are counted."""
+"""Parts whose time is looked for: those that wear before others, then by how likely they fail within a year."""
 
 YEAR = 8766.0
 
@@ -68,7 +68,7 @@ class Dues:
 
     parts: tuple[PartDue, ...]
     others: int
-    """Parts that were not looked at, as they are less likely to fail within a year."""
+    """Parts that were not looked at, as they do not wear, or are less likely to fail within a year."""
     risk: float
 
 
@@ -90,11 +90,11 @@ def dues(
     seen = {one.mode: one for one in wear}
     alarmed = alarms or {}
 
-    def urgent(i: int) -> tuple[bool, float]:
+    def urgent(i: int) -> tuple[bool, bool, float]:
         part = plant.components[i]
         names = (part.path, *(mode.path for mode in part.modes))
         at_once = any(name in alarmed or (name in seen and seen[name].state == "reached") for name in names)
-        return at_once, part.quantity * float(within[rows[i]].sum())
+        return at_once, any(_wears(mode, seen) for mode in part.modes), part.quantity * float(within[rows[i]].sum())
 
     ranked = sorted(parts, key=urgent, reverse=True)
     found = [_of_part(outlook, plant.components[i], rows[i], seen, alarmed, risk, ledger) for i in ranked[:MOST]]
@@ -133,13 +133,16 @@ def _of_part(
 
     fails = np.array([0.05, 0.5, 0.95, risk])
     *times, by = time_at(curve, fails, 1 - fails).tolist()
-    ageing = [mode for mode in part.modes if rises(mode.life) or (mode.path in seen and seen[mode.path].counts)]
-    if not ageing:
+    if not any(_wears(mode, seen) for mode in part.modes):
         return due("useless", None, "its hazard does not rise with age: a new one would fail as soon", np.array(times))
     foretold = [one for one in wears if one.counts]
     if foretold:
         return due("ahead", by, f"it wears: {said}", np.array(times))
     return due("ahead", by, _aged(outlook, part, rows), np.array(times))
+
+
+def _wears(mode: FailureMode, seen: Mapping[str, SeenWear]) -> bool:
+    return not mode.unknown and (rises(mode.life) or (mode.path in seen and seen[mode.path].counts))
 
 
 def _aged(outlook: Outlook, part: Component, rows: npt.NDArray[np.intp]) -> str:

@@ -78,7 +78,7 @@ export default function Maintenance(): ReactNode {
                   <DueItem key={one.part} one={one} serve={found.past ? () => setServing(one) : undefined} />
                 ))}
               </ul>
-              {found.others > 0 && <p className="small quiet">{moreText(found.others)}: they are less likely to fail within a year.</p>}
+              {found.others > 0 && <p className="small quiet">{moreText(found.others)}: they do not wear, or are less likely to fail within a year.</p>}
             </section>
           )}
           {useless.length > 0 && (

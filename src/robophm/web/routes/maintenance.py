@@ -112,7 +112,7 @@ class Maintenance(Shape):
     silence: str
     due: list[DuePart]
     others: int
-    """Parts that were not looked at, as they are less likely to fail within a year."""
+    """Parts that were not looked at, as they do not wear, or are less likely to fail within a year."""
     replacements: list[ReplacementsToCome]
     services: list[ServiceDone]
     """The last services, the latest first."""
