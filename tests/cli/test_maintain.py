@@ -1,7 +1,10 @@
 """robophm maintain, run as a newcomer does."""
 
 import json
+import math
+from datetime import timedelta
 
+import icalendar
 import numpy as np
 import pytest
 
@@ -139,3 +142,58 @@ def test_a_part_that_is_inspected(inside, tmp_path):
     assert "pump: when to replace it by inspection cannot be said" in text
     without = json.loads(inside("maintain", "robot.yaml", "costs.csv", "--repetitions", 20, "--json").stdout)
     assert without["inspected"]["belt"] == {"why": "no readings of its wear; expected a store that has some"}
+
+
+AGED = ROBOT + "  puzzle: {rate: unknown}\n"
+
+
+def test_what_is_due_needs_no_table_of_costs(inside, robot):
+    """Of the battery H(a) = (a/η)^3.5 with η = 1e6/120/Γ(1 + 1/3.5), on for half of the time."""
+    robot.write_text(AGED)
+    text = inside("maintain", robot)
+    assert text.returncode == 0
+    assert "gains nothing, as their hazard does not rise with age: computer" in text.stdout
+    said = json.loads(inside("maintain", robot, "--risk", 0.1, "--json").stdout)["ahead"]
+    due = {one["part"]: one for one in said["due"]}
+    eta = 1e6 / 120 / math.gamma(1 + 1 / 3.5)
+    assert due["battery"]["due_in_hours"] == pytest.approx(2 * eta * (-math.log(0.9)) ** (1 / 3.5), rel=1e-9)
+    assert [due[name]["state"] for name in ("computer", "puzzle")] == ["useless", "unknown"]
+    assert due["puzzle"]["due_in_hours"] is due["puzzle"]["median"] is None
+    assert (said["time"], said["risk"]) == (None, 0.1)
+    computers = [one for one in said["replacements"] if one["name"] == "computer"]
+    assert [one["expected"] for one in computers] == pytest.approx(
+        [0.5 * 1e-5 * 168 * w for w in (4, 13, 52)], rel=1e-9
+    )
+    assert all(one["exact"] for one in computers)
+    refused = inside("maintain", robot, "--setup", 3)
+    assert refused.returncode == 2
+    assert "--setup: not used for what is due, without a table of costs" in refused.stderr
+    assert "risk 0.7: expected a number above 0 and at most 0.5" in inside("maintain", robot, "--risk", 0.7).stderr
+
+
+def test_a_calendar_of_what_is_due(inside, robot, tmp_path):
+    """Read by another's parser; its events keep their names while their days move."""
+    robot.write_text(AGED.replace("name: courier", "name: 'Kurier; β, ééé'"))
+    assert inside("maintain", robot, "--calendar", "out.ics", "--risk", 0.2).returncode == 0
+    raw = (tmp_path / "out.ics").read_bytes()
+    first = events(raw)
+    assert inside("maintain", robot, "costs.csv", "--repetitions", 2, "--calendar", "out.ics").returncode == 0
+    second = events((tmp_path / "out.ics").read_bytes())
+    assert set(first) == set(second) == {"Kurier; β, ééé: replace battery", "Kurier; β, ééé: replace bearing"}
+    for what, event in first.items():
+        assert event["UID"] == second[what]["UID"]
+        assert event.start > second[what].start  # a higher chance is reached later
+        assert event.end - event.start == timedelta(days=1)
+    assert "it wears out: it has aged 0 h" in str(second["Kurier; β, ééé: replace battery"]["DESCRIPTION"])
+    assert max(len(line) for line in raw.split(b"\r\n")) <= 75
+    assert raw.count(b"\n") == raw.count(b"\r\n")
+    refused = inside("maintain", robot, "--calendar", robot)
+    assert "is read or kept by this command too" in refused.stderr
+
+
+def events(raw):
+    calendar = icalendar.Calendar.from_ical(raw)
+    assert calendar["VERSION"] == "2.0"
+    assert not calendar.errors
+    assert not any(event.errors for event in calendar.events)
+    return {str(event["SUMMARY"]): event for event in calendar.events}

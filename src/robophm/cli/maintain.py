@@ -12,14 +12,17 @@ import numpy as np
 import typer
 from rich.console import Console
 
+from robophm.cli.shared.due_parts import print_upkeep, write_calendar
 from robophm.cli.shared.options import Design, Json, stated_store
 from robophm.cli.shared.output import console, print_json, print_table, table
 from robophm.cli.shared.stored_past import kept
+from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import DataError, RobophmError, UnitError
 from robophm.core.units import quantity
 from robophm.design.file import load
 from robophm.design.robot import CLOCK_UNITS, UNKNOWN, Robot
 from robophm.health.outlooks import as_designed
+from robophm.health.part_due import RISK
 from robophm.health.plant import Plant
 from robophm.health.replacement import Worth, replacements
 from robophm.health.unknown_rates import PartsOfUnknownRate, few, named, unknown_in_parts
@@ -29,6 +32,7 @@ from robophm.learning.maintenance.replacement_age import Visit
 from robophm.learning.maintenance.upkeep import LifeCycles, PartPlan, UpkeepPlan
 from robophm.monitoring.condition_upkeep import ByCondition, by_condition
 from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.upkeep_ahead import UpkeepAhead, upkeep_of
 from robophm.report.words import duration_text, number_text
 
 MOST_FIRST = 20
@@ -49,6 +53,8 @@ class Wishes:
     repetitions: int
     seed: int
     as_json: bool
+    risk: float = RISK
+    calendar: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -69,11 +75,16 @@ class _Answers:
     """The parts that are best replaced by what an inspection finds."""
     uninspected: Mapping[str, str]
     """Why that cannot be said of other parts, by their path."""
+    ahead: UpkeepAhead
+    """What is due, and the replacements to come."""
 
 
 def command(
     design: Design,
-    costs: Annotated[Path, typer.Argument(help="a table: part, preventive, corrective, …", metavar="COSTS.CSV")],
+    costs: Annotated[
+        Path | None,
+        typer.Argument(help="a table: part, preventive, corrective, …; else only what is due", metavar="[COSTS.CSV]"),
+    ] = None,
     store: Annotated[
         str | None,
         typer.Option("--store", help="the robot's past: what is due, and what to do first", callback=stated_store),
@@ -86,10 +97,32 @@ def command(
     lead: Annotated[str, typer.Option(help="time for which spares must do")] = "90 day",
     repetitions: Annotated[int, typer.Option(help="of the simulation", min=2, max=1_000_000)] = 2000,
     seed: Annotated[int, typer.Option(help="of the simulation", min=0)] = 0,
+    risk: Annotated[float, typer.Option(help="chance of a failure that is taken before a part is due")] = RISK,
+    calendar: Annotated[Path | None, typer.Option(help="write what is due as a calendar", metavar="FILE.ics")] = None,
     as_json: Json = False,
 ) -> None:
     """When to replace which part, with which spares, at what cost; whether watching it pays."""
-    run(design, costs, Wishes(store, setup, downtime_cost, horizon, robots, level, lead, repetitions, seed, as_json))
+    wishes = Wishes(
+        store, setup, downtime_cost, horizon, robots, level, lead, repetitions, seed, as_json, risk, calendar
+    )
+    if costs is None:
+        refuse_unused("what is due, without a table of costs", ("design", "costs", "store", "risk", "calendar"))
+        look_ahead(design, wishes)
+    else:
+        run(design, costs, wishes)
+
+
+def look_ahead(design: Path, wishes: Wishes) -> UpkeepAhead:
+    """Print which parts are due, and what is to be replaced in the weeks to come; write the calendar."""
+    robot = load(design)
+    found = upkeep_of(robot, wishes.store, risk=wishes.risk)
+    if wishes.calendar:
+        write_calendar(wishes.calendar, design, found)
+    if wishes.as_json:
+        print_json({"robot": robot.name, "ahead": found.to_json()})
+    else:
+        print_upkeep(console(), found)
+    return found
 
 
 def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:
@@ -120,11 +153,16 @@ def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:
     left_out = unknown_in_parts(costs[name].part for name in plan.unknown)
     unknown_gains = gains.unknown if gains else None
     inspected = by_condition(plan, ledger)
-    found = _Answers(plan, left_out, visit, cycles, stock, first, unknown_gains, *inspected)
+    ahead = upkeep_of(robot, wishes.store, risk=wishes.risk)
+    found = _Answers(plan, left_out, visit, cycles, stock, first, unknown_gains, *inspected, ahead)
+    if wishes.calendar:
+        write_calendar(wishes.calendar, design, ahead)
     if wishes.as_json:
         print_json(_json(found))
         return
     out = console()
+    print_upkeep(out, ahead)
+    out.print()
     _print_parts(out, found)
     _print_inspected(out, found)
     if visit:
@@ -313,4 +351,5 @@ def _json(found: _Answers) -> dict[str, Any]:
             for name, one in found.inspected.items()
         } | {name: {"why": why} for name, why in found.uninspected.items()},
         "first": None if found.first is None else [one._asdict() for one in found.first],
+        "ahead": found.ahead.to_json(),
     }  # fmt: skip

@@ -11,7 +11,8 @@ from robophm.cli.shared.output import console, print_json
 from robophm.core.errors import RobophmError
 from robophm.core.signal import SECOND
 from robophm.design.file import load
-from robophm.health.service import repair, replace, services_of
+from robophm.health.service import ServiceNote, services_of
+from robophm.monitoring.service_notes import WAIT, note_service
 from robophm.monitoring.stored_past import stored_past
 from robophm.report.words import moment_text, number_text
 
@@ -26,6 +27,11 @@ def command(
         typer.Option(help="it was repaired: the share of its age that remains, 0 as new, 1 as before", metavar="SHARE"),
     ] = None,
     failed: Annotated[bool, typer.Option("--failed", help="it had failed; else it was served before")] = False,
+    by: Annotated[str, typer.Option(help="who says so", metavar="NAME")] = "",
+    note: Annotated[str, typer.Option(help="what is to be remembered of it", metavar="TEXT")] = "",
+    wait: Annotated[
+        float, typer.Option(help="for an answer, where the robot is watched", min=0, max=3600, metavar="SECONDS")
+    ] = WAIT,
     history: Annotated[bool, typer.Option("--history", help="list every service of it so far")] = False,
     as_json: Json = False,
 ) -> None:
@@ -34,16 +40,14 @@ def command(
         raise RobophmError("was it replaced or repaired? expected --replaced or --repaired SHARE, or --history to look")
     if failed and not replaced and repaired is None:
         raise RobophmError("--failed says why it was served; expected --replaced or --repaired SHARE with it")
-    robot = load(design)
-    with stored_past(store, robot, change=replaced or repaired is not None) as (kept, ledger):
-        before = len(ledger.services)
-        if replaced:
-            replace(robot, ledger, part, failed=failed)
-        elif repaired is not None:
-            repair(robot, ledger, part, repaired, failed=failed)
-        if len(ledger.services) > before:
-            kept.save(robot.identity, ledger.to_json())
-    some = services_of(robot, ledger, part) if history else ledger.services[before:]
+    if (by or note) and not replaced and repaired is None:
+        raise RobophmError("--by and --note are of a service; expected --replaced or --repaired SHARE with them")
+    robot, some = load(design), []
+    if replaced or repaired is not None:
+        some = note_service(store, robot, ServiceNote(part, repaired, failed, by, note), wait=wait)
+    if history:
+        with stored_past(store, robot) as (_, ledger):
+            some = services_of(robot, ledger, part)
     if as_json:
         print_json({"robot": robot.name, "services": [one._asdict() for one in some]})
         return
@@ -56,6 +60,7 @@ def command(
         when = moment_text(one.time) if one.time > SECOND else "before its first recording"
         out.print(
             f"{when}: {path} {one.kind}{' after it failed' if one.failed else ''}, at an effective age of "
-            f"{number_text(one.before[1])}; goes on at {number_text(one.after[1])}",
+            f"{number_text(one.before[1])}; goes on at {number_text(one.after[1])}"
+            f"{f', by {one.by}' if one.by else ''}{f': {one.note}' if one.note else ''}",
             markup=False, soft_wrap=True,
         )  # fmt: skip

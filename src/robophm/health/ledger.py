@@ -117,6 +117,10 @@ class Service(NamedTuple):
     before: tuple[float, float, float]
     """Age, effective age, cumulative hazard of its stress; without the initial exposure, while that still counts."""
     after: tuple[float, float, float]
+    by: str = ""
+    """The person who said so; empty where that is not known."""
+    note: str = ""
+    """Words that were said about it."""
 
 
 class SuspectTime(NamedTuple):
@@ -298,7 +302,8 @@ class Ledger:
             "history_step": self.history_step,
             "replaced": self.replaced,
             "seen": {key: list(seen) for key, seen in self.seen.items()},
-            "services": [list(service) for service in self.services],
+            "services": [list(service[:6]) for service in self.services],
+            **({"said": said} if any(map(any, said := [one[6:] for one in self.services])) else {}),
             **({"wear": {key: one.to_json() for key, one in self.wear.items()}} if self.wear else {}),
             **{name: found for name in ("begun", "archived", "parts") if (found := getattr(self, name))},
             **({"changes": [list(change) for change in self.changes]} if self.changes else {}),
@@ -321,7 +326,7 @@ class Ledger:
         Raises StoreError where it was kept for other failure modes or another version.
         """
         data = up_to_date(data)
-        kept = tuple(data["modes"])
+        kept, services = tuple(data["modes"]), data.get("services", ())
         if set(kept) != set(modes):
             other = sorted(set(kept) ^ set(modes))
             raise StoreError(f"ledger was kept for other parts: '{other[0]}' is in it or in the design alone")
@@ -357,8 +362,10 @@ class Ledger:
             replaced=dict(data["replaced"]),
             seen={key: Seen(*values) for key, values in data["seen"].items()},
             services=[
-                Service(time, mode, kind, failed, tuple(before), tuple(after))
-                for time, mode, kind, failed, before, after in data.get("services", ())
+                Service(time, mode, kind, failed, tuple(before), tuple(after), *said)
+                for (time, mode, kind, failed, before, after), said in zip(
+                    services, data.get("said") or [()] * len(services), strict=True
+                )
             ],
             wear={key: WearCourse.from_json(one) for key, one in data.get("wear", {}).items()},
             begun=dict(data.get("begun", {})),

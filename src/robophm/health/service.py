@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Self
 
+from robophm.core.argument_checks import number
 from robophm.core.errors import RobophmError, nearest
 from robophm.design.robot import Component, FailureMode, Robot
 from robophm.health.ledger import Ledger, Service
@@ -25,6 +27,56 @@ class ExposureBetweenServices:
     hazard: float
     """Cumulative hazard of one of the parts in it, at the stated rate."""
     failed: bool
+
+
+MOST_WORDS = 1000
+"""Characters of what is said of a service, at most; and of a name a tenth of them."""
+
+
+@dataclass(frozen=True)
+class ServiceNote:
+    """A person says that a part, or one failure mode of it, was served."""
+
+    part: str
+    """Path of the component, or of its failure mode."""
+    remaining: float | None = None
+    """The share of its age that remains after a repair, 0 as new; None: a new one was put in."""
+    failed: bool = False
+    """Whether it had failed; else it was served in time."""
+    by: str = ""
+    note: str = ""
+
+    def __post_init__(self) -> None:
+        """Raise RobophmError for a share that is none, or words that are too long or no text."""
+        if self.remaining is not None:
+            number(self.remaining, "the share of its age that remains", high=1.0)
+        for name, said, most in (("by", self.by, MOST_WORDS // 10), ("note", self.note, MOST_WORDS)):
+            if len(said) > most or not said.isprintable():
+                raise RobophmError(f"{name} {said!r:.60}: expected one line of at most {most} characters")
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the note as plain values for JSON."""
+        return asdict(self)
+
+    @classmethod
+    def of(cls, data: Mapping[str, Any]) -> Self:
+        """Return a note that was kept as plain values."""
+        return cls(**data)
+
+
+def take_note(robot: Robot, ledger: Ledger, said: ServiceNote) -> list[Service]:
+    """Let a ledger know of a service, now; return what it did to each failure mode.
+
+    Raises RobophmError, and leaves the ledger as it was, where there is no such part, or it is not said which mode of
+    it failed.
+    """
+    before = len(ledger.services)
+    if said.remaining is None:
+        replace(robot, ledger, said.part, failed=said.failed)
+    else:
+        repair(robot, ledger, said.part, said.remaining, failed=said.failed)
+    ledger.services[before:] = [one._replace(by=said.by, note=said.note) for one in ledger.services[before:]]
+    return ledger.services[before:]
 
 
 def find(robot: Robot, path: str) -> tuple[Component, tuple[FailureMode, ...]]:

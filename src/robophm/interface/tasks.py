@@ -22,6 +22,7 @@ from robophm.health.why import Explanation, explain
 from robophm.interface.asking import RobotOrPath, ledger_of, robot_of
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.seen_wear import seen_wear
+from robophm.monitoring.service_notes import WAIT, note_service
 from robophm.monitoring.stored_past import stored_past
 from robophm.stores import Address
 
@@ -82,13 +83,14 @@ def why(of: HealthReport | RobotOrPath, store: Address | None = None) -> Explana
 
 def service(
     robot: RobotOrPath, part: str, store: Address, *, replaced: bool = False, repaired: float | None = None,
-    failed: bool = False,
+    failed: bool = False, by: str = "", note: str = "", wait: float = WAIT,
 ) -> list[Service]:  # fmt: skip
     """Tell a robot's ledger in a store that a part, or its failure mode, was replaced or repaired; return its services.
 
-    ``repaired``: the share of its age that remains, 0 as new; ``failed``: it had failed. Without either all its
-    services so far are returned, and nothing is written. Raises RobophmError, with the nearest name, for a part that
-    is not there.
+    ``repaired``: the share of its age that remains, 0 as new; ``failed``: it had failed; ``by`` whom, and a ``note``.
+    Where another process goes on with the robot's past, it is asked, and answers within ``wait`` [s]. Without either
+    all its services so far are returned, and nothing is written. Raises RobophmError, with the nearest name, for a part
+    that is not there.
     """
     found = robot_of(robot)
     instance(part, str, "part", "the path of a part")
@@ -101,11 +103,9 @@ def service(
         raise RobophmError("failed says why it was served; expected replaced or repaired with it")
     if store is None:
         raise RobophmError("store None: expected where the robot's past is kept")
-    with stored_past(store, found, change=replaced or share is not None) as (kept, ledger):
-        if replaced:
-            services.replace(found, ledger, part, failed=failed)
-        elif share is not None:
-            services.repair(found, ledger, part, share, failed=failed)
-        if replaced or share is not None:
-            kept.save(found.identity, ledger.to_json())
+    if replaced or share is not None:
+        instance(by, str, "by", "a name")
+        instance(note, str, "note", "a text")
+        note_service(store, found, services.ServiceNote(part, share, failed, by, note), wait=number(wait, "wait"))
+    with stored_past(store, found) as (_, ledger):
         return services.services_of(found, ledger, part)

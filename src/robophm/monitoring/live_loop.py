@@ -5,12 +5,13 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import ExitStack, nullcontext
+from contextlib import ExitStack, nullcontext, suppress
 from dataclasses import dataclass
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import CLOCK, REORDERED, SECOND, Sample
 from robophm.design.robot import Robot
+from robophm.health.ledger import Ledger
 from robophm.health.reporting import health_now
 from robophm.monitoring.alarm_watch import AlarmWatch
 from robophm.monitoring.clock_steps import ClockSteps
@@ -19,16 +20,18 @@ from robophm.monitoring.look_ahead import LookAhead
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import MOST_REPORTS, REPAIR, kept_ledger
 from robophm.monitoring.report_history import ReportHistory
+from robophm.monitoring.service_notes import Answers, requests_in, taken_in
 from robophm.monitoring.silent_signals import SilentSignals
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.stores.events import Event
+from robophm.stores.service_requests import WithdrawnError
 from robophm.stores.store import NoRoomError, Progress, Store
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.signals.report_sink import JudgedTask, ReportSink
 from robophm.transports.signals.source import STAMP_LIMIT, Gap, LiveItem, LiveSource, SignalSource, WholeMessage
 
 NOTES_EVERY = 0.5
-"""Seconds between two looks for what was lost, silent or refused."""
+"""Seconds between two looks for what was lost, silent or refused, and for services that are to be noted."""
 
 REPORT_STEP = 60 * SECOND
 """Nanoseconds of the robot's time between two reports that are kept."""
@@ -123,6 +126,7 @@ class _Watch:
         with ExitStack() as opened:
             if self.sinks:
                 opened.enter_context(self._ahead)
+            self._note_services()
             self._wear.renewed(monitor.ledger)
             opened.callback(self._wear.close)
             opened.callback(self._save, last=True)
@@ -138,7 +142,7 @@ class _Watch:
                         self.journal.gap(heard.topic, heard.why)
                 else:
                     self._take(heard)
-                self._tell_notes()
+                self._look_around()
             self._note_orders()
         self.source.notes.update(self._notes)
         return monitor
@@ -172,11 +176,27 @@ class _Watch:
         self._unkept[f"too late for its own time, counted when it was heard: {heard.signal}"] += 1
         return heard._replace(time=now)
 
+    def _look_around(self) -> None:
+        """Look twice a second for what is to be told, and what is to be noted."""
+        if (now := time.monotonic()) - self._looked >= NOTES_EVERY:
+            self._looked = now
+            self._tell_notes()
+            self._note_services()
+
+    def _note_services(self) -> None:
+        """Take in the services that people ask for, in order: each is in the ledger and answered at once, or neither.
+
+        It happens between two samples, as it would if watching had ended and begun again here.
+        """
+        requests = requests_in(self.store, self.robot) if self.store else None
+        if requests and (waiting := requests.waiting()):
+            ledger, answers = taken_in(self.robot, self._monitor.ledger, waiting)
+            with suppress(WithdrawnError):
+                if self._save(ledger, answers):
+                    self._monitor.ledger = ledger
+
     def _tell_notes(self) -> None:
         """Tell the sinks at once of what was lost, silent or refused, by the source or by one of them."""
-        if (now := time.monotonic()) - self._looked < NOTES_EVERY:
-            return
-        self._looked = now
         notes = self.source.notes.copy() + self._notes
         for sink in self.sinks:
             notes.update(sink.notes)
@@ -216,17 +236,21 @@ class _Watch:
             if reason.startswith(REORDERED):  # it qualifies what is in the ledger
                 self._monitor.ledger.counts[reason] = self._mixed[reason] + count
 
-    def _save(self, *, last: bool = False) -> None:
-        """Keep the past; where there is no room that is noted, and tried again later, but for the ``last`` time."""
+    def _save(self, ledger: Ledger | None = None, answers: Answers | None = None, *, last: bool = False) -> bool:
+        """Keep the past, or a ``ledger`` in its place with the ``answers`` that made it; whether that was done.
+
+        Where there is no room that is noted, and tried again later, but for the ``last`` time.
+        """
         if not self.store:
-            return
+            return False
         if self.journal:
             self.journal.sync()
         progress = [Progress(self._key, self.journal.position)] if self.journal else []
         self._saved = time.monotonic()
         try:
-            ledger, reports = self._monitor.ledger.to_json(), self._course.reports
-            self.store.save(self.robot.identity, ledger, progress, reports, self._events)
+            kept, reports = (ledger or self._monitor.ledger).to_json(), self._course.reports
+            more = {"answers": answers} if answers else {}
+            self.store.save(self.robot.identity, kept, progress, reports, self._events, **more)
             reports.clear()
             self._events.clear()
         except NoRoomError as error:
@@ -234,6 +258,8 @@ class _Watch:
                 raise
             self._unkept[f"not saved, tried again: {error}"] += 1
             del self._course.reports[:-MOST_REPORTS]
+            return False
+        return True
 
     @property
     def _notes(self) -> Counter[str]:

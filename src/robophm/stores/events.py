@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import UTC, datetime
 from itertools import takewhile
@@ -58,9 +59,13 @@ def events_between(before: Mapping[str, Any] | None, after: Mapping[str, Any]) -
 
 def events_of(ledger: Mapping[str, Any]) -> Iterator[Event]:
     """Yield what a ledger as JSON tells of: its services and the changes of its design."""
-    for time, mode, kind, failed, *_ in ledger.get("services", ()):
+    services = ledger.get("services", ())
+    for (time, mode, kind, failed, *_), said in zip(
+        services, ledger.get("said") or [("", "")] * len(services), strict=True
+    ):
         done: Kind = "replacement" if kind == "replaced" else "repair"
-        yield Event(time, done, mode, f"{mode} {kind}{' after it had failed' if failed else ''}")
+        by, note = (f" by {said[0]}" if said[0] else ""), (f": {said[1]}" if said[1] else "")
+        yield Event(time, done, mode, f"{_named(mode)} {kind}{' after it had failed' if failed else ''}{by}{note}")
     for time, part, kind, before in ledger.get("changes", ()):
         yield Event(time, "design change", part, f"{part}: {kind}{f', before {before}' if before else ''}")
 
@@ -76,6 +81,11 @@ def events_of_alarms(alarms: Iterable[Mapping[str, Any]]) -> Iterator[Event]:
 def latest_events(events: Iterable[Event], start: int, end: int, most: int) -> list[Event]:
     """Return those of some events from a time until before another [ns], oldest first: so many, the latest."""
     return sorted((one for one in events if start <= one.time < end), reverse=True)[:most][::-1]
+
+
+def _named(mode: str) -> str:
+    """A failure mode as its key names it, without the clock and the scaling of its sums."""
+    return re.sub(r" \([^()]*, (age|hazard) scaling.*$", "", mode)
 
 
 def _breaches(report: Mapping[str, Any]) -> dict[str, str]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 from robophm.stores.sqlite import SqliteStore
-from robophm.stores.store import Restored
+from robophm.stores.store import HeldError, Restored
 
 
 class MemoryStore(SqliteStore):
@@ -15,6 +16,7 @@ class MemoryStore(SqliteStore):
 
     def __init__(self, where: str | os.PathLike[str] = "") -> None:
         super().__init__(":memory:")
+        self._held: dict[str, threading.Lock] = {}
 
     @classmethod
     def exists(cls, where: str) -> bool:
@@ -28,8 +30,14 @@ class MemoryStore(SqliteStore):
 
     @contextmanager
     def alone(self, robot: str) -> Iterator[None]:
-        """Be the only one who goes on with a robot's past, as everybody is who has such a store."""
-        yield
+        """Be the only one who goes on with a robot's past, of all threads. Raises HeldError if not."""
+        held = self._held.setdefault(robot, threading.Lock())
+        if not held.acquire(blocking=False):
+            raise HeldError(f"somebody else goes on with the past of {robot}; expected one at a time")
+        try:
+            yield
+        finally:
+            held.release()
 
     def _keep_good(self) -> None:
         """Keep nothing beside it."""

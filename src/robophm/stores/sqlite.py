@@ -22,14 +22,15 @@ from robophm.stores.alarm_log import AlarmLog
 from robophm.stores.events import Event
 from robophm.stores.kept_history import HistoryOf, KeptHistory
 from robophm.stores.migration import known_version, migrate
+from robophm.stores.service_requests import ServiceRequests, keep_answers
 from robophm.stores.sqlite_alarms import SqliteAlarms
-from robophm.stores.store import History, NoRoomError, Progress, Restored, Store
+from robophm.stores.store import HeldError, History, NoRoomError, Progress, Restored, Store, TakesRequests
 
 LONGEST_WAIT = 10.0
 """The most seconds to wait for others who write to the same store, or make it."""
 
 
-class SqliteStore(Store):
+class SqliteStore(Store, TakesRequests):
     """A store of robots' pasts in one SQLite file."""
 
     def __init__(self, where: str | os.PathLike[str]) -> None:
@@ -127,22 +128,25 @@ class SqliteStore(Store):
         progress: Iterable[Progress] = (),
         reports: Sequence[Mapping[str, Any]] = (),
         events: Sequence[Event] = (),
+        answers: Mapping[str, Mapping[str, Any]] = {},
     ) -> None:
         """Keep all of it, or none. Raises StoreError, as on a full disk or after somebody else's save."""
         with self._saving(robot, ledger):
             self._history.add(robot, ledger, reports, events)
             done = [(one.recording, one.position, int(one.complete), json.dumps(one.notes)) for one in progress]
             PROGRESS.put(self._base, robot, done)
+            if answers:
+                keep_answers(self._base, robot, answers)
 
     @contextmanager
     def alone(self, robot: str) -> Iterator[None]:
-        """Be the only one who goes on with a robot's past, as long as the context lasts. Raises StoreError if not."""
+        """Be the only one who goes on with a robot's past, as long as the context lasts. Raises HeldError if not."""
         place = self.path.with_name(f"{self.path.name}.{zlib.crc32(robot.encode()):08x}.lock")
         with ExitStack() as stack:
             with self._errors():
                 other = stack.enter_context(only_one(place))
             if other is not None:
-                raise StoreError(
+                raise HeldError(
                     f"{self.path}: process {other} goes on with the past of {robot}; expected one at a time: end that "
                     "one, or use another store"
                 )
@@ -156,6 +160,10 @@ class SqliteStore(Store):
     def alarm_log(self, robot: str) -> AlarmLog:
         """Return the log of a robot's alarms, in a table beside the others."""
         return SqliteAlarms(self._base, robot, self._errors)
+
+    def service_requests(self, robot: str) -> ServiceRequests:
+        """Return the requests to note services of a robot, in a table beside the others."""
+        return ServiceRequests(self._base, robot, self._errors)
 
     def copy_to(self, path: Path) -> None:
         """Copy all of it into a new file. Raises StoreError where that is there, or cannot be written."""

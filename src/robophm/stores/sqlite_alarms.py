@@ -76,12 +76,13 @@ class SqliteAlarms(AlarmLog):
 
     def acknowledge(self, number: int, by: str, time: int) -> bool:
         """Note who has taken note of an alarm."""
-        if not any(one["number"] == number for one in self.alarms()):
-            return False
-        say = "UPDATE alarm SET acknowledged_by = ?, acknowledged_at = ? WHERE number = ? AND acknowledged_by = ''"
+        say = """UPDATE alarm SET acknowledged_at = iif(acknowledged_by = '', ?, acknowledged_at),
+            acknowledged_by = iif(acknowledged_by = '', ?, acknowledged_by)
+            WHERE number = ? AND robot = ? RETURNING number"""
         with self._errors():
-            self._base.execute(say, (by, time, number))
-        return True
+            if not self._base.execute("SELECT count(*) FROM sqlite_schema WHERE name = 'alarm'").fetchone()[0]:
+                return False
+            return bool(self._base.execute(say, (time, by, number, self._robot)).fetchall())
 
 
 def carry_over(damaged: sqlite3.Connection, base: sqlite3.Connection) -> None:

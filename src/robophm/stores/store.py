@@ -13,6 +13,7 @@ from robophm.core.errors import StoreError
 from robophm.stores.alarm_log import AlarmLog, AlarmsInMemory
 from robophm.stores.events import Event
 from robophm.stores.figures import FigureSeries
+from robophm.stores.service_requests import ServiceRequests
 
 POINTS = 1000
 """Points of a series, unless another number is asked for."""
@@ -26,6 +27,10 @@ MOST_EVENTS = 1000
 
 class NoRoomError(StoreError):
     """There is no room to save, or the disk fails: nothing was saved, and later it may be possible again."""
+
+
+class HeldError(StoreError):
+    """Somebody else goes on with a robot's past."""
 
 
 class Progress(NamedTuple):
@@ -118,17 +123,19 @@ class Store(ABC):
         progress: Iterable[Progress] = (),
         reports: Sequence[Mapping[str, Any]] = (),
         events: Sequence[Event] = (),
+        answers: Mapping[str, Mapping[str, Any]] = {},
     ) -> None:
         """Keep all of it, or none. A report replaces the one of the same time; old ones are thinned.
 
-        Events that reports and ledger tell of need not be given.
+        Events that reports and ledger tell of need not be given. ``answers``: to service requests, by their identity;
+        where one was withdrawn, WithdrawnError is raised.
 
         Raises StoreError, also where the ledger has been saved by somebody else since this store read it.
         """
 
     @contextmanager
     def alone(self, robot: str) -> Iterator[None]:
-        """Be the only one who goes on with a robot's past, as long as the context lasts. Raises StoreError if not."""
+        """Be the only one who goes on with a robot's past, as long as the context lasts. Raises HeldError if not."""
         yield
 
     def alarm_log(self, robot: str) -> AlarmLog:
@@ -152,3 +159,11 @@ class Store(ABC):
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+class TakesRequests(ABC):
+    """A store in which people leave requests for whoever goes on with a robot's past."""
+
+    @abstractmethod
+    def service_requests(self, robot: str) -> ServiceRequests:
+        """Return the requests to note services of a robot."""

@@ -15,15 +15,17 @@ from typing import Any, Literal
 from robophm.core.errors import RobophmError, SourceError
 from robophm.core.signal import Sample
 from robophm.design.robot import Robot
-from robophm.health.ledger import Ledger
+from robophm.health.ledger import Ledger, Service
 from robophm.health.report import HealthReport
 from robophm.health.reporting import health_report, with_earlier_look
+from robophm.health.service import ServiceNote
 from robophm.health.why import Explanation, explain
 from robophm.monitoring.alarm_watch import AlarmWatch
 from robophm.monitoring.live_loop import watch
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.notices import Notices
 from robophm.monitoring.replay import kept_ledger
+from robophm.monitoring.service_notes import note_in
 from robophm.monitoring.stored_past import unknown_robot
 from robophm.monitoring.task_history import TaskRecord, judge_on_the_way
 from robophm.monitoring.wear_watch import WearWatch
@@ -236,6 +238,29 @@ class Monitoring:
         """The log of a robot's alarms: of the latest run, else of the store, else an empty one. Raises StoreError."""
         with self.history() as store:
             yield store.alarm_log(robot.identity) if store else AlarmsInMemory()
+
+    def note_service(self, robot: Robot, said: ServiceNote, key: str) -> list[Service]:
+        """Note a service in the past of the robot that is watched, else in its store; return what it did.
+
+        Raises RobophmError where it does not fit, or there is no past.
+        """
+        with self.history() as store:
+            if store is None or robot.identity not in store.robots():
+                raise RobophmError("nothing is known of this robot's past yet; expected that it is watched first")
+            done = note_in(store, robot, said, key=key)
+        self.catch_up(robot)
+        return done
+
+    def catch_up(self, robot: Robot) -> None:
+        """Look again at a robot that is watched no more, where services were noted since. Raises StoreError."""
+        run = self.run
+        if not run or run.state == "running" or run.robot is not robot or run.ledger is None:
+            return
+        with self.history() as store:
+            kept = kept_ledger(robot, store) if store else None
+            if store and kept and len(kept.services) != len(run.ledger.services):
+                look = _Looking(run, self.board, AlarmWatch(robot, store.alarm_log(robot.identity)))
+                look.warm(Monitor(robot, kept))
 
     def pasts(self, identity: str) -> list[Mapping[str, Any]]:
         """Return the pasts of a robot by its identity, as ledgers keep them: of the latest run, and of the store.

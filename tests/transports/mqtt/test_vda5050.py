@@ -17,6 +17,7 @@ from typing import Any
 
 import pytest
 
+import robophm
 from robophm.core.signal import SECOND
 from robophm.stores import open_store
 from robophm.transports.mqtt import Mqtt
@@ -257,6 +258,10 @@ def test_watch_ages_by_what_it_says_and_tells_its_health(broker: Broker, robot: 
         within(5, lambda: any(topic.endswith("/phm_hazard_rate") for topic, _ in list(robot.heard)))
         told = next(json.loads(raw) for topic, raw in robot.heard if topic.endswith("/phm_hazard_rate"))
         assert told["stamp"]["sec"] == pytest.approx(time.time_ns() / SECOND, abs=60)
+        served = robophm.service(str(tmp_path / "robot.yaml"), "motor", tmp_path / "past.db", replaced=True, by="Ada",
+                                 wait=30)  # fmt: skip
+        assert [(one.kind, one.by) for one in served] == [("replaced", "Ada")]
+        assert process.poll() is None  # and it watches on
     finally:
         process.send_signal(signal.SIGINT)
         _, warned = process.communicate(timeout=50)

@@ -25,36 +25,47 @@ def demand(life: LifeDistribution, time: float, parts: int, age: float | None = 
     F = -np.expm1(-np.asarray(life.increment(np.zeros(len(edges)), edges)))
     if age is not None and age < time:
         F = np.where(edges >= age, 1.0, F)
-    # A life within a step ends at either end of it: half its mass at each, so that the mean is kept.
-    mass = np.zeros(_STEPS + 1)
-    mass[:-1] += np.diff(F) / 2
-    mass[1:] += np.diff(F) / 2
-    size = 2 * (_STEPS + 1)
-    transform = np.fft.rfft(mass, size)
-    tail, current = [1.0], np.zeros(_STEPS + 1)
-    current[0] = 1.0
-    while tail[-1] > 1e-14:
-        current = np.fft.irfft(np.fft.rfft(current, size) * transform, size)[: _STEPS + 1]
-        current = np.maximum(current, 0.0)
-        at_end = current[-1] / 2  # what ends in the last step is half within the time
-        tail.append(float(min(current.sum() - at_end, tail[-1])))
-        if len(tail) > _MOST:
-            raise DataError(f"more than {_MOST:,} spares of one part; expected a shorter time")
-    one = -np.diff(np.append(tail, 0.0))
+    one = renewals(F, F)
     total: Array = np.ones(1)
-    power: Array = np.maximum(one, 0.0)
+    power = one
     n = parts
     while n:  # the n-fold convolution by squaring
         if n & 1:
-            total = _convolved(total, power)
+            total = convolved(total, power)
         n >>= 1
         if n:
-            power = _convolved(power, power)
+            power = convolved(power, power)
     result: Array = total / total.sum()
     return result
 
 
-def _convolved(a: Array, b: Array) -> Array:
+def renewals(first: Array, later: Array) -> Array:
+    """Return P(so many are needed of one part), from 0 on, within the time that a grid of equal steps takes.
+
+    ``first``: P(the part that is there has failed by each edge of the grid); ``later``: the same of each that is put in
+    after it, by its age. Raises DataError where it would be more than _MOST.
+    """
+    # A life within a step ends at either end of it: half its mass at each, so that the mean is kept.
+    begun, mass = (_halved(np.diff(F)) for F in (first, later))
+    size = 2 * len(mass)
+    transform = np.fft.rfft(mass, size)
+    tail, current = [1.0, float(first[-1])], begun
+    while tail[-1] > 1e-14:
+        current = np.maximum(np.fft.irfft(np.fft.rfft(current, size) * transform, size)[: len(mass)], 0.0)
+        at_end = current[-1] / 2  # what ends in the last step is half within the time
+        tail.append(float(min(current.sum() - at_end, tail[-1])))
+        if len(tail) > _MOST:
+            raise DataError(f"more than {_MOST:,} spares of one part; expected a shorter time")
+    found: Array = np.maximum(-np.diff(np.append(tail, 0.0)), 0.0)
+    return found
+
+
+def _halved(mass: Array) -> Array:
+    return (np.append(mass, 0.0) + np.insert(mass, 0, 0.0)) / 2
+
+
+def convolved(a: Array, b: Array) -> Array:
+    """Return the distribution of the sum of two independent numbers, without a tail of 1e-14. Raises DataError."""
     found = np.convolve(a, b) if len(a) * len(b) < 4_000_000 else _by_transform(a, b)
     end = len(found) - int(np.argmax(np.cumsum(found[::-1]) > 1e-14))
     if end > 100 * _MOST:
