@@ -19,17 +19,23 @@ function BoxView({ data }: NodeProps<BoxNode>): ReactNode {
   const { box } = data;
   return (
     <div
-      className={`box ${box.kind} ${data.chosen ? "chosen" : ""} ${box.spare ? "spare" : ""} ${data.mark}`}
+      className={`box ${box.kind} ${data.chosen ? "chosen" : ""} ${box.spare ? "spare" : ""} ${box.wrong?.length ? "wrong" : ""} ${data.mark}`}
       style={{ width: box.width, height: box.height }}
       onDoubleClick={() => box.kind === "module" && box.part && data.open(box.part)}
-      title={[box.part, box.detail, box.places > 1 && `drawn in ${box.places} places, one part`, box.single_point && "its failure alone fails the robot"].filter(Boolean).join("\n")}
+      title={[box.part, ...(box.wrong?.length ? box.wrong : [box.detail]), box.places > 1 && `drawn in ${box.places} places, one part`, box.single_point && "its failure alone fails the robot"].filter(Boolean).join("\n")}
     >
       <span className="title">
         {box.title}
         {box.places > 1 && <span className="badge">one part</span>}
       </span>
       <span className="detail">
-        <span>{box.detail}</span>
+        {box.wrong?.length ? (
+          <span className="mistake">
+            <Icon name="error" /> {box.detail}
+          </span>
+        ) : (
+          <span>{box.detail}</span>
+        )}
         <span>{box.badge}</span>
       </span>
       {box.single_point && box.kind === "component" && (
@@ -64,6 +70,23 @@ function WiresView({ data }: NodeProps<WiresNode>): ReactNode {
         <circle key={i} cx={x} cy={y} r={4} />
       ))}
     </svg>
+  );
+}
+
+/** What is wrong in the design of the level itself, and of others: what is in a box is said there. */
+function Mistakes({ drawing }: { drawing: Shapes["Drawing"] }): ReactNode {
+  const { wrong = [], wired, elsewhere = 0 } = drawing;
+  const empty = !drawing.boxes.length;
+  if (!wrong.length && !elsewhere && wired !== false) return null;
+  return (
+    <div className="trouble small" role="status">
+      {wrong.map((one) => (
+        <p key={one}>{one}</p>
+      ))}
+      {wired === false && <p>How these parts work together is not known until the diagram is mended: they are drawn without wires.</p>}
+      {empty && <p>Add a component, or a module, and it is drawn here.</p>}
+      {elsewhere > 0 && <p className="quiet">{elsewhere === 1 ? "One mistake" : `${elsewhere} mistakes`} in other levels: see Design at the top.</p>}
+    </div>
   );
 }
 
@@ -110,7 +133,7 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
       })
       .catch((error: unknown) => {
         const why = error instanceof Error ? error.message : String(error);
-        if (!asked.signal.aborted) setWrong(design?.valid ? why : `The diagram is drawn as soon as this is mended: ${why}`);
+        if (!asked.signal.aborted) setWrong(design?.valid ? why : `There is nothing to draw until this is mended: ${why}`);
       });
     return () => asked.abort();
   }, [wanted]);
@@ -140,7 +163,7 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
         draggable: !busy && !!box.part && !whole && levelOf(stem(box.part)) === level,
         selectable: !!box.part,
         focusable: !!box.part,
-        ariaLabel: [box.title, box.detail, box.badge, box.single_point ? "single point of failure" : ""].filter(Boolean).join(", "),
+        ariaLabel: [box.title, ...(box.wrong?.length ? box.wrong : [box.detail]), box.badge, box.single_point ? "single point of failure" : ""].filter(Boolean).join(", "),
         zIndex: 1,
       }),
     );
@@ -182,12 +205,7 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
 
   return (
     <div className="canvas" ref={host} onKeyDown={keys} aria-busy={busy}>
-      {!wrong && !!drawing?.wrong?.length && (
-        <p className="trouble small" role="status">
-          Drawn without the rate of what is wrong: {drawing.wrong[0]}
-          {drawing.wrong.length > 1 && ` (and ${drawing.wrong.length - 1} more)`}
-        </p>
-      )}
+      {!wrong && drawing && <Mistakes drawing={drawing} />}
       {wrong ? (
         <div className="empty" role="status">
           <p>{wrong}</p>
