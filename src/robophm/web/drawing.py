@@ -22,6 +22,7 @@ MOST_BOXES = 400
 _TITLE, _DETAIL = 13.0, 12.0  # font sizes
 _NARROWEST, _WIDEST = 120.0, 210.0
 _HEIGHT = 48.0
+_MANY, _BROADEST = 40, 20_000.0
 
 
 def drawing(
@@ -45,7 +46,11 @@ def drawing(
     places = Counter(units(module.diagram if whole else module.wiring)) | Counter(names(nodes))
     labels = _labels(prepared, drawn, [*names(nodes)], unit)
     wide = max([_NARROWEST, *(_needs(label) for label in labels.values())])
-    laid = layout(nodes, _measures(min(wide, _WIDEST)), width)
+    measures = _measures(min(wide, _WIDEST))
+    laid = layout(nodes, measures, width)
+    while len(laid.boxes) > _MANY and laid.height > laid.width and width < _BROADEST:
+        width *= 1.5  # a strip is seen from too far away
+        laid = layout(nodes, measures, width)
     level.wrong = _in_no_box(drawn, path, {name.partition("[")[0] for name in names(nodes)})
     level.width, level.height = laid.width, laid.height
     level.boxes = [

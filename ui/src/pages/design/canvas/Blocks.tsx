@@ -1,10 +1,12 @@
-import { Background, Controls, type Edge, type Node, type NodeProps, type NodeTypes, ReactFlow, useReactFlow } from "@xyflow/react";
+import { Background, Controls, type Edge, type Node, type NodeProps, type NodeTypes, ReactFlow, useReactFlow, useStore } from "@xyflow/react";
 import { type ReactNode, useEffect, useMemo, useRef, useState } from "react";
 import { get, type Shapes } from "../../../lib/api";
-import { useDesign, useUnit } from "../../../lib/store";
+import { useDesign, useShared, useUnit } from "../../../lib/store";
 import { findPart, levelOf, type Part } from "../../../lib/tree";
 import { Icon } from "../../../parts/Icon";
+import { rateText } from "../../../lib/words";
 import { move } from "../moving";
+import { colouring, Legend, markOf, useCondition, useConditions, Value } from "./condition";
 import { type Drag, dropped, stem, targetAt } from "./dragging";
 
 type Box = Shapes["Box"];
@@ -14,15 +16,20 @@ type WiresNode = Node<{ drawing: Shapes["Drawing"] }, "wires">;
 
 const NO_EDGES: Edge[] = [];
 const GATE = 34;
+const FAR = 0.5; // zoomed out beyond this, values are too small to be read, and names stand larger
 
 function BoxView({ data }: NodeProps<BoxNode>): ReactNode {
   const { box } = data;
+  const unit = useUnit();
+  const colour = useShared(colouring);
+  const condition = useCondition(box.part ? stem(box.part) : "");
+  const flags = colour === "health" ? (condition?.flags ?? []) : [];
   return (
     <div
-      className={`box ${box.kind} ${data.chosen ? "chosen" : ""} ${box.spare ? "spare" : ""} ${box.wrong?.length ? "wrong" : ""} ${data.mark}`}
+      className={`box ${box.kind} ${data.chosen ? "chosen" : ""} ${box.spare ? "spare" : ""} ${box.wrong?.length ? "wrong" : markOf(condition, colour)} ${data.mark}`}
       style={{ width: box.width, height: box.height }}
       onDoubleClick={() => box.kind === "module" && box.part && data.open(box.part)}
-      title={[box.part, ...(box.wrong?.length ? box.wrong : [box.detail]), box.places > 1 && `drawn in ${box.places} places, one part`, box.single_point && "its failure alone fails the robot"].filter(Boolean).join("\n")}
+      title={[box.part, ...(box.wrong?.length ? box.wrong : [box.detail]), ...flags, box.places > 1 && `drawn in ${box.places} places, one part`, box.single_point && "its failure alone fails the robot"].filter(Boolean).join("\n")}
     >
       <span className="title">
         {box.title}
@@ -34,7 +41,9 @@ function BoxView({ data }: NodeProps<BoxNode>): ReactNode {
             <Icon name="error" /> {box.detail}
           </span>
         ) : (
-          <span>{box.detail}</span>
+          <span className="value">
+            <Value condition={condition} colour={colour} plain={box.detail} rate={(rate) => rateText(rate, unit)} />
+          </span>
         )}
         <span>{box.badge}</span>
       </span>
@@ -112,6 +121,8 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
   const host = useRef<HTMLDivElement>(null);
   const [width, setWidth] = useState(0);
   const [drag, setDrag] = useState<Drag | null>(null);
+  const far = useStore((state) => state.transform[2] < FAR);
+  useConditions(level, whole);
 
   useEffect(() => {
     if (!host.current) return;
@@ -204,7 +215,7 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
   }
 
   return (
-    <div className="canvas" ref={host} onKeyDown={keys} aria-busy={busy}>
+    <div className={`canvas ${far ? "far" : ""}`} ref={host} onKeyDown={keys} aria-busy={busy}>
       {!wrong && drawing && <Mistakes drawing={drawing} />}
       {wrong ? (
         <div className="empty" role="status">
@@ -256,6 +267,7 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
         <label className="check" style={{ margin: 0 }}>
           <input type="checkbox" checked={whole} onChange={(event) => setWhole(event.target.checked)} /> down to the parts
         </label>
+        <Legend />
         {drag ? (
           <strong aria-live="polite">{drag.target ? `Drop it here: ${drag.target.words}` : "Drop it here: nothing changes"}</strong>
         ) : (
