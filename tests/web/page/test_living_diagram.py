@@ -33,6 +33,20 @@ def test_blocks_show_their_share_of_the_failures_to_come(visit, small):
     page.locator(".box.share", has_text="drive").get_by_text("% of failures").wait_for()
     page.get_by_text("the median remaining life").wait_for()
     assert look.serious() == []
+    page.set_viewport_size({"width": 390, "height": 800})
+    size = page.locator(".react-flow").bounding_box()
+    assert size["width"] > 350
+    assert size["height"] > 300
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    assert look.serious() == []
+
+
+def test_a_level_of_many_parts_is_no_strip(small):
+    many = {f"part {i}": {"rate": "1 FPMH"} for i in range(200)}
+    small.edit({"op": "put", "path": ["modules", "drive", "components"], "value": many})
+    drawn = small.get("/api/design/drawing", path="drive", width=450)
+    assert len(drawn["boxes"]) == 200
+    assert drawn["height"] <= drawn["width"]
 
 
 def test_a_block_beyond_its_limit_is_an_error(small):
@@ -40,3 +54,11 @@ def test_a_block_beyond_its_limit_is_an_error(small):
     small.edit({"op": "put", "path": ["modules", "drive", "thresholds"], "value": limit})
     states = {one["path"]: one["state"] for one in small.get("/api/condition")["blocks"]}
     assert states == {"drive": "error", "see": "idle"}
+
+
+def test_parts_that_depend_on_each_other_have_a_share_together_alone(small):
+    spares = {"standby": {"of": ["lidar", "camera"]}}
+    small.edit({"op": "put", "path": ["modules", "see", "diagram"], "value": spares})
+    above = {one["path"]: one["share"] for one in small.get("/api/condition")["blocks"]}
+    assert above["drive"] + above["see"] == pytest.approx(1, rel=1e-4)
+    assert [one["share"] for one in small.get("/api/condition", path="see")["blocks"]] == [None, None]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query
@@ -11,6 +13,7 @@ from robophm.blocks.diagram import Block, Group
 from robophm.core.errors import DesignError, nearest
 from robophm.core.signal import SECOND
 from robophm.health.failures_to_come import FailuresToCome
+from robophm.health.limits import LimitedValue
 from robophm.health.report import HealthReport
 from robophm.health.reporting import health_report
 from robophm.health.subject import STALE
@@ -87,7 +90,11 @@ def conditions(
     for part in report.components:
         if part.path in wanted:
             values[part.path] = [*part.flags], part.sensor_based_hazard_rate, part.nominal_hazard_rate
-    members = dict(_groups(robot.diagram))
+    shares = _shares(found, robot.diagram) if found else {}
+    limits = defaultdict[str, list[LimitedValue]](list)
+    for one in report.limited_values:
+        if one.figure != "signal":
+            limits[one.path].append(one)
     return Conditions(
         watched=watched,
         time=None if report.time is None else report.time / SECOND,
@@ -95,19 +102,18 @@ def conditions(
         stated=bool(found and found.stated),
         blocks=[
             BlockCondition(
-                path=one, state=_state(report, one, flags, watched=watched), flags=flags, hazard_rate=finite(now),
-                nominal_hazard_rate=finite(nominal), share=_share(found, one, members) if found else None,
+                path=at, state=_state(limits[at], flags, watched=watched), flags=flags, hazard_rate=finite(now),
+                nominal_hazard_rate=finite(nominal), share=finite(shares.get(at, math.nan)),
             )
-            for one, (flags, now, nominal) in ((one, values[one]) for one in shown)
+            for at, (flags, now, nominal) in ((at, values[at]) for at in shown)
         ],
         notes=[*notes(found, found.contributions)] if found else [],
     )  # fmt: skip
 
 
 def _state(
-    report: HealthReport, path: str, flags: list[str], *, watched: bool
+    limits: Sequence[LimitedValue], flags: Sequence[str], *, watched: bool
 ) -> Literal["ok", "warn", "error", "stale", "idle"]:
-    limits = [one for one in report.limited_values if one.path == path and one.figure != "signal"]
     broken = {one.severity for one in limits if one.broken}
     if "error" in broken:
         return "error"
@@ -118,17 +124,23 @@ def _state(
     return "ok" if limits and watched else "idle"
 
 
-def _share(found: FailuresToCome, path: str, members: dict[str, frozenset[str]]) -> float | None:
-    """The share of all that is within a path; None where some of it has none of its own."""
-    total, any_of_it = 0.0, False
+def _shares(found: FailuresToCome, diagram: Block) -> dict[str, float]:
+    """The share of all that is within each path; none of what holds some of the parts of a group, and not all."""
+    members, shares, split = dict(_groups(diagram)), dict[str, float](), set[str]()
     for one in found.contributions:
         parts = members.get(one.path, frozenset({one.path})) if one.group else frozenset({one.path})
-        inside = [f"{part}/".startswith(f"{path}/") for part in parts]
-        if any(inside):
-            if not all(inside):
-                return None
-            total, any_of_it = total + one.sensor_based, True
-    return finite(total) if any_of_it else None
+        around = [frozenset(_around(part)) for part in parts]
+        for path in frozenset.intersection(*around):
+            shares[path] = shares.get(path, 0.0) + one.sensor_based
+        split |= frozenset.union(*around) - frozenset.intersection(*around)
+    return {path: share for path, share in shares.items() if path not in split}
+
+
+def _around(path: str) -> Iterator[str]:
+    """A path and those of the modules around it."""
+    while path:
+        yield path
+        path = path.rpartition("/")[0]
 
 
 def _groups(block: Block) -> Iterator[tuple[str, frozenset[str]]]:
