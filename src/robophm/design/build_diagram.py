@@ -243,7 +243,8 @@ class DiagramBuilder:
     def _known(self, level: str) -> list[str]:
         """The names that a diagram of this level may draw."""
         paths = (*self.components, *self.modules)
-        return [path.removeprefix(f"{level}/") if level else path for path in paths if path]
+        below = f"{level}/" if level else ""
+        return [path.removeprefix(below) if path.startswith(below) else f"/{path}" for path in paths if path]
 
     def block(self, path: Path, diagram: Any, place: Path) -> blocks.Block:
         """Expand a diagram that a level draws to units."""

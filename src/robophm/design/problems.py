@@ -39,6 +39,11 @@ class CheckResult:
     lines: Lines = field(default_factory=dict, repr=False)
     """The line of each of its values."""
 
+    @property
+    def refused(self) -> bool:
+        """Whether there is a robot, and an error all the same: no figures can be given for it."""
+        return self.robot is not None and any(one.level == "error" for one in self.problems)
+
 
 def check(text: str) -> CheckResult:
     """Check a text and return all that can be said of it; no mistake in it raises an error."""

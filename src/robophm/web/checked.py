@@ -6,6 +6,7 @@ import threading
 from collections import OrderedDict
 from dataclasses import replace
 
+from robophm.design.drawable import Drawable, drawable
 from robophm.design.problems import CheckResult, Problem, check
 from robophm.health.refusal import refusal
 from robophm.web.prepared_robot import PreparedRobots
@@ -19,6 +20,7 @@ class CheckedTexts:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._found: OrderedDict[str, CheckResult] = OrderedDict()
+        self._drawn: tuple[str, Drawable | None] = "", None
         self.prepared = PreparedRobots()
         """The robots of the texts, prepared."""
 
@@ -31,6 +33,17 @@ class CheckedTexts:
                     self._found.popitem(last=False)
             self._found.move_to_end(text)
             return self._found[text]
+
+    def drawn(self, text: str) -> Drawable | None:
+        """Return the robot of a text for its drawing, what is wrong left out; None where there is nothing to draw."""
+        checked = self.of(text)
+        if checked.robot:
+            refused = [one.message for one in checked.problems if one.level == "error"]
+            return Drawable(checked.robot, {"": refused} if refused else {})
+        with self._lock:
+            if self._drawn[0] != text:
+                self._drawn = text, drawable(checked.document, checked.lines)
+            return self._drawn[1]
 
     def _checked(self, text: str) -> CheckResult:
         """A check of a text that includes why no figures can be given for the robot that it describes."""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from itertools import chain
+from collections.abc import Sequence
+from contextlib import suppress
 
 from robophm.blocks.diagram import units
-from robophm.core.errors import DesignError, nearest
+from robophm.core.errors import DesignError, RobophmError, nearest
+from robophm.design.drawable import Drawable
 from robophm.health.unknown_rates import marks
 from robophm.report.dependence import dependence
 from robophm.report.labels import part_labels
@@ -20,51 +22,88 @@ MOST_BOXES = 400
 _TITLE, _DETAIL = 13.0, 12.0  # font sizes
 _NARROWEST, _WIDEST = 120.0, 210.0
 _HEIGHT = 48.0
+_MANY, _BROADEST = 40, 20_000.0
 
 
-def drawing(prepared: PreparedRobot, path: str, width: float, unit: Unit, *, whole: bool = False) -> Drawing:
-    """Return the diagram of the level at a path, as drawn, or ``whole``: down to its parts. Raises DesignError."""
+def drawing(
+    prepared: PreparedRobot, drawn: Drawable, path: str, width: float, unit: Unit, *, whole: bool = False
+) -> Drawing:
+    """Return the diagram of the level at a path, as drawn, or ``whole``: down to its parts. Raises DesignError.
+
+    Of a design that is wrong all levels are drawn for themselves: what is in them together may not be known.
+    """
     module = prepared.modules.get(path)
     if module is None:
         raise DesignError(f"no module '{path}'{nearest(path, prepared.modules)}")
-    diagram = module.diagram if whole else module.wiring
-    nodes = outline(diagram, MOST_BOXES)
-    places = Counter(units(diagram)) | Counter(names(nodes))
-    marked = {path: marks(one)[0] for path, one in prepared.unknown.items()}
-    say = part_labels(prepared.robot, prepared.rates, unit, unknown=marked)
-    labels: dict[str, Label] = {}
-    for name in names(nodes):
-        try:
-            labels[name] = say(name)
-        except KeyError:  # a common cause, a group: no part of the design
-            labels[name] = Label(name.rpartition("/")[2])
-    wide = max([_NARROWEST, *(_needs(label) for label in labels.values())])
-    drawn = layout(nodes, _measures(min(wide, _WIDEST)), width)
-    return Drawing(
-        path=path,
-        width=drawn.width,
-        height=drawn.height,
-        boxes=[
-            _more(box.x, box.y, box.width, box.height, box.part)
-            if isinstance(box.part, More)
-            else Box(
-                x=box.x, y=box.y, width=box.width, height=box.height, part=str(box.part),
-                title=labels[box.part].title, detail=labels[box.part].detail, badge=labels[box.part].badge,
-                kind="module" if box.part in prepared.modules else "component",
-                spare=isinstance(box.part, Spare), places=places[box.part],
-                single_point=str(box.part) in prepared.single_points,
-            )
-            for box in drawn.boxes
-        ],
-        gates=[
-            Gate(x=gate.x, y=gate.y, width=gate.width, text=gate.text, parts=[str(name) for name in names(gate.of)])
-            for gate in drawn.gates
-        ],
-        wires=[Line(points=[*wire.points], dashed=wire.dashed) for wire in drawn.wires],
-        ends=[*drawn.ends],
-        notes=list(chain(dependence(prepared.robot, path))),
-        words=f"Works while {words(nodes, labels)} work.",
+    level = Drawing(
+        path=path, wrong=drawn.mistakes(path), wired=path not in drawn.unwired,
+        elsewhere=len(drawn.mistakes("")) - len(drawn.mistakes(path)), notes=[*dependence(prepared.robot, path)],
+        width=0, height=0, boxes=[], gates=[], wires=[], ends=[], words="It has no parts.",
     )  # fmt: skip
+    if path in drawn.empty:
+        return level
+    nodes = outline(module.diagram if whole and not drawn.wrong else module.wiring, MOST_BOXES)
+    places = Counter(units(module.diagram if whole else module.wiring)) | Counter(names(nodes))
+    labels = _labels(prepared, drawn, [*names(nodes)], unit)
+    wide = max([_NARROWEST, *(_needs(label) for label in labels.values())])
+    measures = _measures(min(wide, _WIDEST))
+    laid = layout(nodes, measures, width)
+    while len(laid.boxes) > _MANY and laid.height > laid.width and width < _BROADEST:
+        width *= 1.5  # a strip is seen from too far away
+        laid = layout(nodes, measures, width)
+    level.wrong = _in_no_box(drawn, path, {name.partition("[")[0] for name in names(nodes)})
+    level.width, level.height = laid.width, laid.height
+    level.boxes = [
+        _more(box.x, box.y, box.width, box.height, box.part)
+        if isinstance(box.part, More)
+        else Box(
+            x=box.x, y=box.y, width=box.width, height=box.height, part=str(box.part),
+            title=labels[box.part].title, detail=labels[box.part].detail, badge=labels[box.part].badge,
+            kind="module" if box.part in prepared.modules else "component",
+            spare=isinstance(box.part, Spare), places=places[box.part],
+            single_point=not drawn.wrong and str(box.part) in prepared.single_points,
+            wrong=drawn.mistakes(box.part.partition("[")[0]),
+        )
+        for box in laid.boxes
+    ]  # fmt: skip
+    level.words = "How its parts work together is not known."
+    if level.wired:
+        level.words = f"Works while {words(nodes, labels)} work."
+        level.wires = [Line(points=[*wire.points], dashed=wire.dashed) for wire in laid.wires]
+        level.ends = [*laid.ends]
+    level.gates = [
+        Gate(x=gate.x, y=gate.y, width=gate.width, text=gate.text, parts=[str(name) for name in names(gate.of)])
+        for gate in laid.gates
+    ]
+    return level
+
+
+def _labels(prepared: PreparedRobot, drawn: Drawable, parts: Sequence[str], unit: Unit) -> dict[str, Label]:
+    """Labels of what is drawn; without a rate where that is wrong, or the robot cannot be computed at all."""
+    labels: dict[str, Label] = {}
+    try:
+        marked = {path: marks(one)[0] for path, one in prepared.unknown.items()}
+        say = part_labels(prepared.robot, prepared.rates, unit, unknown=marked)
+    except RobophmError:
+        return {name: Label(name.rpartition("/")[2]) for name in parts}
+    for name in parts:
+        mistakes = drawn.mistakes(name.partition("[")[0])
+        labels[name] = Label(name.rpartition("/")[2], mistakes[0] if mistakes else "")
+        if not mistakes:
+            with suppress(KeyError):  # a common cause, a group: no part of the design
+                labels[name] = say(name)
+    return labels
+
+
+def _in_no_box(drawn: Drawable, level: str, boxes: set[str]) -> list[str]:
+    """The mistakes of a level itself, and of what is in it and not drawn."""
+    below = f"{level}/" if level else ""
+    found = [*drawn.wrong.get(level, ())]
+    for path, said in drawn.wrong.items():
+        inside = path != level and path.startswith(below)
+        if inside and not any(f"{path}/".startswith(f"{box}/") for box in boxes):
+            found += [f"{path.removeprefix(below)}: {message}" for message in said]
+    return found
 
 
 def _more(x: float, y: float, width: float, height: float, more: More) -> Box:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 from fastapi import Depends, Request
 
 from robophm.core.errors import DesignError, RobophmError
-from robophm.design.drawable import drawable
+from robophm.design.drawable import Drawable
 from robophm.design.identities import identities
 from robophm.design.identity_edits import NOTHING, Lived
 from robophm.design.problems import Problem as Found
@@ -126,15 +126,13 @@ class Service:
             raise DesignError(f"{'/'.join(first.place) or 'the design'}: {first.message}")
         return self.workspace.checked.prepared.of(checked.robot)
 
-    def to_draw(self) -> tuple[PreparedRobot, list[str]]:
-        """Return the robot to be drawn, and what is wrong in it, drawn without a rate. Raises DesignError."""
+    def to_draw(self) -> tuple[PreparedRobot, Drawable]:
+        """Return the robot to be drawn, and what is wrong in it. Raises DesignError where there is nothing to draw."""
         text = self.workspace.draft().text
-        checked = self.workspace.checked.of(text)
-        robot = None if checked.robot else drawable(text)
-        if robot is None:
-            return self.prepared(), []
-        wrong = [one for one in checked.problems if one.level == "error"]
-        return self.workspace.checked.prepared.of(robot), [f"{'/'.join(one.place)}: {one.message}" for one in wrong]
+        drawn = self.workspace.checked.drawn(text)
+        if drawn is None:
+            drawn = Drawable(self.prepared_text(text).robot)  # which says why there is none
+        return self.workspace.checked.prepared.of(drawn.robot), drawn
 
     def watch(self, source: str, speed: float) -> None:
         """Begin to watch the robot of the design now, from a source by its name, until it is stopped.
@@ -199,7 +197,8 @@ class Service:
         draft = draft or self.workspace.draft()
         checked = self.workspace.checked.of(draft.text)
         name = checked.document.get("name")
-        prepared = self.workspace.checked.prepared.of(checked.robot) if checked.robot else None
+        prepared = self.workspace.checked.prepared.of(checked.robot) if checked.robot and not checked.refused else None
+        drawn = None if checked.robot else self.workspace.checked.drawn(draft.text)
         return DesignState(
             revision=draft.revision,
             state=draft.state,
@@ -211,7 +210,7 @@ class Service:
             undo=(draft.what or "the last change") if draft.undo else None,
             redo=draft.redo,
             valid=checked.robot is not None,
-            problems=told(checked.problems),
+            problems=told(drawn.problems if drawn else checked.problems),
             levels=prepared.levels if prepared else {},
             unknown={path: rates_of(one) for path, one in prepared.unknown.items()} if prepared else {},
         )

@@ -290,6 +290,8 @@ class Box(Shape):
     spare: bool
     places: int
     single_point: bool
+    wrong: list[str] = []
+    """Mistakes in the design of the part, or of what is in the module: what of it could not be drawn."""
 
 
 class Gate(Shape):
@@ -324,7 +326,11 @@ class Drawing(Shape):
     words: str
     """Drawing as words for a reader."""
     wrong: list[str] = []
-    """Mistakes of a design that is no valid one, what is wrong being drawn without its rate; none of a valid one."""
+    """Mistakes of this level itself; none of a valid design."""
+    elsewhere: int = 0
+    """Number of mistakes that are of no part of this level."""
+    wired: bool = True
+    """Whether its wires are known; where its diagram is wrong, its parts are drawn side by side."""
 
 
 DesignState.model_rebuild()

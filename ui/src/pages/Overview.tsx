@@ -128,9 +128,13 @@ function Figures({ health }: { health: Health }): ReactNode {
       )}
       <section className="card" style={{ marginTop: 16 }}>
         <h2>Modules</h2>
-        <div className="scroll" tabIndex={0} role="region" aria-label="Modules">
-          <Modules subjects={health.subjects} />
-        </div>
+        {health.subjects.length > 1 ? (
+          <div className="scroll" tabIndex={0} role="region" aria-label="Modules">
+            <Modules subjects={health.subjects} />
+          </div>
+        ) : (
+          <p className="quiet">The design has parts alone, no modules.</p>
+        )}
       </section>
       {health.notes.length > 0 && (
         <section className="card" style={{ marginTop: 16 }}>

@@ -68,3 +68,20 @@ export function ProblemList({ problems, chosen }: { problems: Problem[]; chosen?
     </table>
   );
 }
+
+/** What is wrong or odd in the part that is looked at: where is known, but for the line. */
+export function ProblemsHere({ problems }: { problems: Problem[] }): ReactNode {
+  return (
+    <ul className="mistakes">
+      {problems.map((one, i) => (
+        <li key={i} className={one.level}>
+          <Icon name={one.level === "error" ? "error" : "warn"} />
+          <span>
+            {one.message}
+            {one.line != null && <span className="quiet"> (line {one.line})</span>}
+          </span>
+        </li>
+      ))}
+    </ul>
+  );
+}

@@ -179,9 +179,7 @@ def get_drawing(
     whole: bool = False,
 ) -> Drawing:
     """The block diagram of a level, laid out."""
-    prepared, wrong = service.to_draw()
-    found = drawing(prepared, path, width, unit, whole=whole)
-    return found.model_copy(update={"wrong": wrong})
+    return drawing(*service.to_draw(), path, width, unit, whole=whole)
 
 
 def apply(document: Any, operation: Operation, lived: Lived = NOTHING) -> None:

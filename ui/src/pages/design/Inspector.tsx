@@ -4,7 +4,7 @@ import { edit, go, useUnit } from "../../lib/store";
 import { change, isValues, type Part } from "../../lib/tree";
 import { durationText, marked, rateText } from "../../lib/words";
 import { Check, Entry, Select } from "../../parts/Field";
-import { ProblemList } from "../../parts/Problems";
+import { ProblemsHere } from "../../parts/Problems";
 import { AsText } from "./AsText";
 import { Life } from "./Life";
 import { RateOf } from "./RateOf";
@@ -42,7 +42,7 @@ export function Inspector({ part, several, design }: { part: Part; several: numb
           )}
         </p>
       )}
-      {mine.length > 0 && <ProblemList problems={mine} />}
+      {mine.length > 0 && <ProblemsHere problems={mine} />}
       <Entry label="Description" value={text("description")} set={(value) => put(["description"], value, `Describe ${part.name}`)} />
       {part.kind === "component" ? <OfComponent part={part} put={put} /> : <OfLevel part={part} put={put} />}
       <h3 style={{ marginTop: 12 }}>Sensors bound here</h3>

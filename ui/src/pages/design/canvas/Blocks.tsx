@@ -1,10 +1,12 @@
-import { Background, Controls, type Edge, type Node, type NodeProps, type NodeTypes, ReactFlow, useReactFlow } from "@xyflow/react";
+import { Background, Controls, type Edge, type Node, type NodeProps, type NodeTypes, ReactFlow, useReactFlow, useStore } from "@xyflow/react";
 import { type ReactNode, useEffect, useMemo, useRef, useState } from "react";
 import { get, type Shapes } from "../../../lib/api";
-import { useDesign, useUnit } from "../../../lib/store";
+import { useDesign, useShared, useUnit } from "../../../lib/store";
 import { findPart, levelOf, type Part } from "../../../lib/tree";
 import { Icon } from "../../../parts/Icon";
+import { rateText } from "../../../lib/words";
 import { move } from "../moving";
+import { colouring, Legend, markOf, useCondition, useConditions, Value } from "./condition";
 import { type Drag, dropped, stem, targetAt } from "./dragging";
 
 type Box = Shapes["Box"];
@@ -14,22 +16,35 @@ type WiresNode = Node<{ drawing: Shapes["Drawing"] }, "wires">;
 
 const NO_EDGES: Edge[] = [];
 const GATE = 34;
+const FAR = 0.5; // zoomed out beyond this, values are too small to be read, and names stand larger
 
 function BoxView({ data }: NodeProps<BoxNode>): ReactNode {
   const { box } = data;
+  const unit = useUnit();
+  const colour = useShared(colouring);
+  const condition = useCondition(box.part ? stem(box.part) : "");
+  const flags = colour === "health" ? (condition?.flags ?? []) : [];
   return (
     <div
-      className={`box ${box.kind} ${data.chosen ? "chosen" : ""} ${box.spare ? "spare" : ""} ${data.mark}`}
+      className={`box ${box.kind} ${data.chosen ? "chosen" : ""} ${box.spare ? "spare" : ""} ${box.wrong?.length ? "wrong" : markOf(condition, colour)} ${data.mark}`}
       style={{ width: box.width, height: box.height }}
       onDoubleClick={() => box.kind === "module" && box.part && data.open(box.part)}
-      title={[box.part, box.detail, box.places > 1 && `drawn in ${box.places} places, one part`, box.single_point && "its failure alone fails the robot"].filter(Boolean).join("\n")}
+      title={[box.part, ...(box.wrong?.length ? box.wrong : [box.detail]), ...flags, box.places > 1 && `drawn in ${box.places} places, one part`, box.single_point && "its failure alone fails the robot"].filter(Boolean).join("\n")}
     >
       <span className="title">
         {box.title}
         {box.places > 1 && <span className="badge">one part</span>}
       </span>
       <span className="detail">
-        <span>{box.detail}</span>
+        {box.wrong?.length ? (
+          <span className="mistake">
+            <Icon name="error" /> {box.detail}
+          </span>
+        ) : (
+          <span className="value">
+            <Value condition={condition} colour={colour} plain={box.detail} rate={(rate) => rateText(rate, unit)} />
+          </span>
+        )}
         <span>{box.badge}</span>
       </span>
       {box.single_point && box.kind === "component" && (
@@ -67,6 +82,23 @@ function WiresView({ data }: NodeProps<WiresNode>): ReactNode {
   );
 }
 
+/** What is wrong in the design of the level itself, and of others: what is in a box is said there. */
+function Mistakes({ drawing }: { drawing: Shapes["Drawing"] }): ReactNode {
+  const { wrong = [], wired, elsewhere = 0 } = drawing;
+  const empty = !drawing.boxes.length;
+  if (!wrong.length && !elsewhere && wired !== false) return null;
+  return (
+    <div className="trouble small" role="status">
+      {wrong.map((one) => (
+        <p key={one}>{one}</p>
+      ))}
+      {wired === false && <p>How these parts work together is not known until the diagram is mended: they are drawn without wires.</p>}
+      {empty && <p>Add a component, or a module, and it is drawn here.</p>}
+      {elsewhere > 0 && <p className="quiet">{elsewhere === 1 ? "One mistake" : `${elsewhere} mistakes`} in other levels: see Design at the top.</p>}
+    </div>
+  );
+}
+
 const TYPES: NodeTypes = { box: BoxView, gate: GateView, wires: WiresView };
 
 interface Props {
@@ -89,6 +121,8 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
   const host = useRef<HTMLDivElement>(null);
   const [width, setWidth] = useState(0);
   const [drag, setDrag] = useState<Drag | null>(null);
+  const far = useStore((state) => state.transform[2] < FAR);
+  useConditions(level, whole);
 
   useEffect(() => {
     if (!host.current) return;
@@ -110,7 +144,7 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
       })
       .catch((error: unknown) => {
         const why = error instanceof Error ? error.message : String(error);
-        if (!asked.signal.aborted) setWrong(design?.valid ? why : `The diagram is drawn as soon as this is mended: ${why}`);
+        if (!asked.signal.aborted) setWrong(design?.valid ? why : `There is nothing to draw until this is mended: ${why}`);
       });
     return () => asked.abort();
   }, [wanted]);
@@ -140,7 +174,7 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
         draggable: !busy && !!box.part && !whole && levelOf(stem(box.part)) === level,
         selectable: !!box.part,
         focusable: !!box.part,
-        ariaLabel: [box.title, box.detail, box.badge, box.single_point ? "single point of failure" : ""].filter(Boolean).join(", "),
+        ariaLabel: [box.title, ...(box.wrong?.length ? box.wrong : [box.detail]), box.badge, box.single_point ? "single point of failure" : ""].filter(Boolean).join(", "),
         zIndex: 1,
       }),
     );
@@ -181,13 +215,8 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
   }
 
   return (
-    <div className="canvas" ref={host} onKeyDown={keys} aria-busy={busy}>
-      {!wrong && !!drawing?.wrong?.length && (
-        <p className="trouble small" role="status">
-          Drawn without the rate of what is wrong: {drawing.wrong[0]}
-          {drawing.wrong.length > 1 && ` (and ${drawing.wrong.length - 1} more)`}
-        </p>
-      )}
+    <div className={`canvas ${far ? "far" : ""}`} ref={host} onKeyDown={keys} aria-busy={busy}>
+      {!wrong && drawing && <Mistakes drawing={drawing} />}
       {wrong ? (
         <div className="empty" role="status">
           <p>{wrong}</p>
@@ -238,6 +267,7 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
         <label className="check" style={{ margin: 0 }}>
           <input type="checkbox" checked={whole} onChange={(event) => setWhole(event.target.checked)} /> down to the parts
         </label>
+        <Legend />
         {drag ? (
           <strong aria-live="polite">{drag.target ? `Drop it here: ${drag.target.words}` : "Drop it here: nothing changes"}</strong>
         ) : (

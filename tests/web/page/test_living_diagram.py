@@ -1,0 +1,64 @@
+"""Blocks of the diagram coloured by their share of the failures to come, and by their state now."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+DRIVE, LIDAR, CAMERA = 18e-6, 30e-6, 90e-6  # hazard rates of the courier [1/h]
+
+
+def share_of_drive(hours: float) -> float:
+    """In closed form: the drive, in series with a pair of which one is enough, fails first."""
+    terms = ((1, LIDAR), (1, CAMERA), (-1, LIDAR + CAMERA))
+    first = DRIVE * sum(n * -math.expm1(-(DRIVE + rate) * hours) / (DRIVE + rate) for n, rate in terms)
+    pair = sum(n * math.exp(-rate * hours) for n, rate in terms)
+    return first / (1 - math.exp(-DRIVE * hours) * pair)
+
+
+def test_blocks_show_their_share_of_the_failures_to_come(visit, small):
+    found = small.get("/api/condition")
+    shares = {one["path"]: one["share"] for one in found["blocks"]}
+    drive = share_of_drive(found["horizon"])
+    assert shares == {"drive": pytest.approx(drive, rel=1e-4), "see": pytest.approx(1 - drive, rel=1e-4)}
+    inside = {one["path"]: one["share"] for one in small.get("/api/condition", path="drive")["blocks"]}
+    assert inside["drive/motor"] == pytest.approx(drive * 16 / 18, rel=1e-4)
+    every = small.get("/api/condition", whole=True)["blocks"]
+    assert sum(one["share"] for one in every) == pytest.approx(1, rel=1e-4)
+    assert {one["state"] for one in every} == {"idle"}
+    look = visit(small)
+    page = look.open("design")
+    page.get_by_label("Coloured by").select_option("share")
+    page.locator(".box.share", has_text="drive").get_by_text("% of failures").wait_for()
+    page.get_by_text("the median remaining life").wait_for()
+    assert look.serious() == []
+    page.set_viewport_size({"width": 390, "height": 800})
+    size = page.locator(".react-flow").bounding_box()
+    assert size["width"] > 350
+    assert size["height"] > 300
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    assert look.serious() == []
+
+
+def test_a_level_of_many_parts_is_no_strip(small):
+    many = {f"part {i}": {"rate": "1 FPMH"} for i in range(200)}
+    small.edit({"op": "put", "path": ["modules", "drive", "components"], "value": many})
+    drawn = small.get("/api/design/drawing", path="drive", width=450)
+    assert len(drawn["boxes"]) == 200
+    assert drawn["height"] <= drawn["width"]
+
+
+def test_a_block_beyond_its_limit_is_an_error(small):
+    limit = {"hazard_rate": "1e-9 /h"}
+    small.edit({"op": "put", "path": ["modules", "drive", "thresholds"], "value": limit})
+    states = {one["path"]: one["state"] for one in small.get("/api/condition")["blocks"]}
+    assert states == {"drive": "error", "see": "idle"}
+
+
+def test_parts_that_depend_on_each_other_have_a_share_together_alone(small):
+    spares = {"standby": {"of": ["lidar", "camera"]}}
+    small.edit({"op": "put", "path": ["modules", "see", "diagram"], "value": spares})
+    above = {one["path"]: one["share"] for one in small.get("/api/condition")["blocks"]}
+    assert above["drive"] + above["see"] == pytest.approx(1, rel=1e-4)
+    assert [one["share"] for one in small.get("/api/condition", path="see")["blocks"]] == [None, None]
