@@ -25,6 +25,7 @@ from robophm.learning.maintenance.life_cycle_costs import LifeCycle
 from robophm.learning.maintenance.upkeep import UpkeepPlan
 from robophm.monitoring.upkeep_ahead import UpkeepAhead, upkeep_ahead
 from robophm.report.maintenance_calendar import calendar
+from robophm.web.access.roles import needs
 from robophm.web.prepared_robot import PreparedRobot, finite
 from robophm.web.routes.design import REFUSED
 from robophm.web.service import Served
@@ -203,6 +204,7 @@ def get_calendar(service: Served, risk: Risk = RISK) -> Response:
 
 
 @router.post("/costs", responses=REFUSED)
+@needs("editor")
 def keep_costs(said: CostsSaid, service: Served) -> Maintenance:
     """Keep a table of costs beside the design, in place of the one of before; an empty one keeps none."""
     place = _kept_costs(service)
@@ -247,6 +249,7 @@ def get_plan(
 
 
 @router.post("/service", responses=REFUSED)
+@needs("operator")
 def note_service(said: ServiceSaid, service: Served) -> list[ServiceDone]:
     """Note that a part was replaced or repaired; whoever goes on with the robot's past takes it in, once."""
     run = service.monitoring.run
