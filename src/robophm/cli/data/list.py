@@ -89,10 +89,15 @@ def _no_numbers(topic: Topic) -> str:
 def _overview_json(one: Overview) -> dict[str, Any]:
     return {
         "name": one.name,
-        "topics": [
-            {**asdict(topic), "gaps": [list(gap) for gap in topic.gaps], "per_second": per_second(topic),
-             "bursts": topic.bursts, "per_second_without_gaps": within_bursts(topic)}
-            for topic in one.topics
-        ],  # fmt: skip
+        "topics": [_topic_json(topic) for topic in one.topics],
         "notes": said(one.notes),
+    }
+
+
+def _topic_json(topic: Topic) -> dict[str, Any]:
+    return asdict(topic) | {
+        "gaps": [list(gap) for gap in topic.gaps],
+        "per_second": per_second(topic),
+        "bursts": topic.bursts,
+        "per_second_without_gaps": within_bursts(topic),
     }
