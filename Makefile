@@ -17,7 +17,7 @@ help:
 	@echo "make test-full  what takes long too, and the peers that pip can install, half an hour"
 	@echo "make test-fresh both commands on machines that have nothing (as root; docs/fresh-machines.md)"
 	@echo "make calibrate  predictions against 20,000 robots that fail and 1,000 that wear (docs/calibration.md)"
-	@echo "make fuzz       1,100,000 damaged recordings, an hour or more (docs/guides/columns.md)"
+	@echo "make fuzz       1,200,000 damaged recordings, an hour or more (docs/guides/columns.md)"
 	@echo "make prognostics  when real wear ends, beside SurPyval, two minutes (docs/theory/wear.md)"
 	@echo "make new-user  from a wheel to the first report of five robots, two minutes (docs/guides/your-robot.md)"
 	@echo "make bench      speed, as ratios against named peers (docs/benchmarks.md)"

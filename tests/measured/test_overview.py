@@ -6,7 +6,7 @@ import statistics
 import pytest
 
 from robophm.core.signal import SECOND
-from robophm.measured.overview import MOST_GAPS, overview, per_second
+from robophm.measured.overview import MOST_GAPS, overview, per_second, within_bursts
 from robophm.measured.recordings import recordings
 from robophm.transports.recordings.recording import Recording
 
@@ -69,26 +69,51 @@ def test_a_day(day):
     assert plan.gaps == gaps
     heard = times[-1] - times[0] - sum(length for _, length in gaps)
     if heard:
-        assert per_second(plan) == pytest.approx((len(times) - 1 - len(gaps)) * SECOND / heard)
+        assert within_bursts(plan) == pytest.approx((len(times) - 1 - len(gaps)) * SECOND / heard)
+
+
+def heard(path, times):
+    """The topic of messages at these times [ns]."""
+    (recorded,) = recordings([write(path, [(time, time, 1.0) for time in times], 200)])
+    return next(one for one in overview(recorded).topics if one.messages == len(times))
 
 
 @pytest.mark.parametrize("burst", [5, 100, 1000])
-def test_messages_in_bursts_are_not_silence_between_them(tmp_path, burst):
-    """So many within 20 ms, every minute for half an hour: the rate is theirs over the whole span."""
-    at = [START + minute * 60 * SECOND + i * 20_000_000 // burst for minute in range(30) for i in range(burst)]
-    (recorded,) = recordings([write(tmp_path / "drive.mcap", [(time, time, 1.0) for time in at], 200)])
-    (topic,) = [one for one in overview(recorded).topics if one.messages == len(at)]
-    assert topic.bursts
-    assert per_second(topic) == pytest.approx((len(at) - 1) * SECOND / (at[-1] - at[0]))
+@pytest.mark.parametrize("bursts", [2, 3, 10, 11, 30])
+def test_rates_of_bursts(tmp_path, burst, bursts):
+    """So many within 20 ms, every minute: of eleven bursts on the rate is theirs over the whole span, before it may be
+    either."""
+    apart = 20_000_000 // burst
+    topic = heard(tmp_path / "drive.mcap", [START + k * 60 * SECOND + i * apart for k in range(bursts)
+                                            for i in range(burst)])  # fmt: skip
+    whole = (bursts * burst - 1) * SECOND / ((bursts - 1) * 60 * SECOND + (burst - 1) * apart)
+    within = SECOND / apart
+    assert topic.bursts is (True if bursts > 10 else None)
+    assert topic.burst_size == burst
+    assert within_bursts(topic) == pytest.approx(within, rel=1e-12)
+    assert per_second(topic) == pytest.approx((whole, whole if bursts > 10 else within), rel=1e-12)
 
 
-def test_nights_are_silence(tmp_path):
-    """A message a second on three days of an hour: a message a second."""
+def test_rates_without_gaps_and_with_few(tmp_path):
+    """Ten a second for an hour; the same with ten seconds of silence, which is a thousandth of it."""
+    steps = [START + step * SECOND // 10 for step in range(36_000)]
+    even = heard(tmp_path / "even.mcap", steps)
+    assert (even.bursts, per_second(even)) == (False, pytest.approx((10.0, 10.0), rel=1e-12))
+    silent = heard(tmp_path / "silent.mcap", [one for one in steps if not 1000 <= (one - START) // SECOND < 1010])
+    assert (silent.bursts, silent.gap_count) == (False, 1)
+    assert per_second(silent) == pytest.approx((10.0, 10.0), rel=1e-12)
+
+
+def test_nights_are_silence_or_not(tmp_path):
+    """A message a second on three days of an hour: one a second while it spoke, 3 hours' of them in 49 hours."""
     at = [START + day * 86400 * SECOND + second * SECOND for day in range(3) for second in range(3600)]
-    (recorded,) = recordings([write(tmp_path / "drive.mcap", [(time, time, 1.0) for time in at], 200)])
-    (topic,) = [one for one in overview(recorded).topics if one.messages == len(at)]
-    assert not topic.bursts
-    assert per_second(topic) == pytest.approx(1.0)
+    topic = heard(tmp_path / "drive.mcap", at)
+    assert per_second(topic) == pytest.approx(((3 * 3600 - 1) / (2 * 86400 + 3599), 1.0), rel=1e-12)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_rates_of_messages_at_one_time_are_not_told(tmp_path, count):
+    assert per_second(heard(tmp_path / "drive.mcap", [START] * count)) is None
 
 
 def test_why_a_topic_has_no_numbers_is_told(tmp_path):

@@ -46,6 +46,7 @@ class SeenTopic:
     type: str
     """Without ``/msg/``: sensor_msgs/LaserScan."""
     per_second: float | None
+    """Messages a second while it is heard, where that can be told."""
 
     @property
     def words(self) -> frozenset[str]:
@@ -119,7 +120,10 @@ def look(paths: Sequence[Path]) -> Seen:
     found = recordings(paths)
     looks = [overview(one) for one in found]
     topics = {topic.name: topic for one in reversed(looks) for topic in one.topics}
-    seen = [SeenTopic(name, one.type.replace("/msg/", "/"), per_second(one)) for name, one in sorted(topics.items())]
+    seen = [
+        SeenTopic(name, one.type.replace("/msg/", "/"), max(per_second(one) or (), default=None))
+        for name, one in sorted(topics.items())
+    ]
     sought = [signal for one, look in zip(found, looks, strict=True) for signal in _signals(look, _elements(one))]
     sought = list({one.name: one for one in sought}.values())
     notes = [f"{len(sought) - MOST_SIGNALS:,} signals more were not looked at"] if len(sought) > MOST_SIGNALS else []

@@ -59,14 +59,22 @@ class Topic:
         return None if self.first is None or self.last is None else (self.first, self.last)
 
     @property
-    def bursts(self) -> bool:
-        """Whether its messages come in bursts, so that what is between them is not silence.
+    def bursts(self) -> bool | None:
+        """Whether its messages come in bursts, so that what is between them is not silence; None: nobody can tell.
 
-        Those are gaps that are a hundredth of the messages, or many that take more than half of the time.
+        Those are gaps that are a hundredth of the messages, or take more than half of the time; of fewer than BURSTS of
+        them a robot may as well have been silent.
         """
-        if self.gap_count < BURSTS or self.first is None or self.last is None:
+        if not self.gap_count or self.first is None or self.last is None:
             return False
-        return self.gap_count * 100 > self.messages or 2 * self.gap_length > self.last - self.first
+        if self.gap_count * 100 <= self.messages and 2 * self.gap_length <= self.last - self.first:
+            return False
+        return True if self.gap_count >= BURSTS else None
+
+    @property
+    def burst_size(self) -> float:
+        """Return how many messages come between gaps, on average."""
+        return self.messages / (self.gap_count + 1)
 
     @property
     def longest_gap(self) -> tuple[int, int] | None:
@@ -167,14 +175,24 @@ class _Heard:
             topic.gaps = sorted(longest)
 
 
-def per_second(topic: Topic) -> float | None:
-    """Return messages a second; None where there are too few to tell.
+def per_second(topic: Topic) -> tuple[float, float] | None:
+    """Return messages a second, lowest and highest as nobody can tell better; None where there are too few to tell.
 
-    That is while the topic was heard without a gap; of one whose messages come in bursts, from its first to its last.
+    That is intervals by the time that they took: from the first message to the last of one that comes in bursts, else
+    without its gaps. Where nobody can tell whether it comes in bursts it may be either.
     """
-    if topic.first is None or topic.last is None or topic.messages < 2:
+    if topic.first is None or topic.last is None or topic.messages < 2 or topic.last <= topic.first:
         return None
-    heard, intervals = topic.last - topic.first, topic.messages - 1
-    if not topic.bursts:
-        heard, intervals = heard - topic.gap_length, intervals - topic.gap_count
-    return intervals * SECOND / heard if heard > 0 else None
+    whole = (topic.messages - 1) * SECOND / (topic.last - topic.first)
+    heard = within_bursts(topic)
+    if topic.bursts or heard is None:
+        return whole, whole
+    return (heard, heard) if topic.bursts is False else (whole, heard)
+
+
+def within_bursts(topic: Topic) -> float | None:
+    """Return messages a second without the gaps; None where no two came without one between, or all at once."""
+    if topic.first is None or topic.last is None:
+        return None
+    heard = topic.last - topic.first - topic.gap_length
+    return (topic.messages - 1 - topic.gap_count) * SECOND / heard if heard > 0 else None

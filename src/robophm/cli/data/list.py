@@ -14,7 +14,7 @@ from robophm.cli.shared.output import console, print_json, print_table, progress
 from robophm.cli.shared.progress import counted
 from robophm.core.counted_notes import said
 from robophm.core.signal import HOUR
-from robophm.measured.overview import LOOKED_INTO, Overview, Topic, overview, per_second
+from robophm.measured.overview import LOOKED_INTO, Overview, Topic, overview, per_second, within_bursts
 from robophm.measured.recordings import recordings
 from robophm.report.words import duration_text, moment_text, number_text
 
@@ -57,9 +57,9 @@ def _print_overview(out: Console, one: Overview) -> None:
         gaps = "–"
         if topic.longest_gap:
             at, length = topic.longest_gap
-            many = "in bursts" if topic.bursts else f"{topic.gap_count:,}"
+            many = f"{topic.gap_count:,}" if topic.bursts is False else _bursts(topic)
             gaps = f"{many}; {duration_text(length / HOUR)} from {moment_text(at)[5:19]}"
-        per = "–" if rate is None else number_text(rate, 3)
+        per = "–" if rate is None else " … ".join(dict.fromkeys(number_text(each, 3) for each in rate))
         rows.append((topic.name, f"{topic.messages:,}", per, *heard, gaps))
     columns = ("topic", "messages", "per s", "first after", "for", "gaps; longest")
     print_table(out, table(f"{one.name}: {span}", columns, rows, figures=(1, 2, 3, 4)))
@@ -74,6 +74,13 @@ def _print_overview(out: Console, one: Overview) -> None:
     out.print()
 
 
+def _bursts(topic: Topic) -> str:
+    """How its messages come in bursts, if they do."""
+    within = within_bursts(topic)
+    each = f"bursts of {number_text(topic.burst_size, 2)}" + (f" at {number_text(within, 3)}/s" if within else "")
+    return f"in {each}" if topic.bursts else f"{topic.gap_count:,}, or {each}"
+
+
 def _no_numbers(topic: Topic) -> str:
     """Why a topic has none to show: a header's are not."""
     return "no numbers" + (f": {topic.no_numbers}" if topic.no_numbers else " but those of its header")
@@ -82,6 +89,15 @@ def _no_numbers(topic: Topic) -> str:
 def _overview_json(one: Overview) -> dict[str, Any]:
     return {
         "name": one.name,
-        "topics": [{**asdict(topic), "gaps": [list(gap) for gap in topic.gaps]} for topic in one.topics],
+        "topics": [_topic_json(topic) for topic in one.topics],
         "notes": said(one.notes),
+    }
+
+
+def _topic_json(topic: Topic) -> dict[str, Any]:
+    return asdict(topic) | {
+        "gaps": [list(gap) for gap in topic.gaps],
+        "per_second": per_second(topic),
+        "bursts": topic.bursts,
+        "per_second_without_gaps": within_bursts(topic),
     }

@@ -20,6 +20,9 @@ PACKED = ".zstd"
 METADATA = "metadata.yaml"
 """Name of the file that makes a folder a rosbag2 folder."""
 
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+"""The bytes with which a file in HDF5 begins."""
+
 _EDGE = 64 * 1024
 """Bytes at the beginning, in the middle and at the end by which a file is told from others of its size."""
 
@@ -34,9 +37,15 @@ def recognised(path: Path) -> Look:
     with reading(path):
         look = look_at(path)
         if not look:
-            raise SourceError(f"{existing(path)}: is no regular file")
+            raise SourceError(
+                f"{existing(path)}: is no regular file; of a pipe expected what came out of it, in a file"
+            )
         if look.kind:
             return look
+        with path.open("rb") as file:
+            hdf5 = file.read(len(_HDF5)) == _HDF5
+    if hdf5:
+        raise SourceError(f"{path}: is HDF5, which is not read; expected its signals as a table, in CSV or Parquet")
     raise SourceError(f"{path}: not a recording; expected {', '.join(formats())} or a folder with {METADATA}")
 
 

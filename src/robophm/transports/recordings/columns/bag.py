@@ -42,6 +42,7 @@ from robophm.transports.recordings.columns.pieces import (
 )
 
 MAGIC = b"#ROSBAG V2.0\n"
+_VERSION = b"#ROSBAG V"
 
 _HEADER_SPACE = 4096
 """Bytes of the first record, whatever is in it: it is written anew when the recording ends."""
@@ -64,7 +65,13 @@ class BagFile(ChunkedFile):
     def __init__(self, path: Path, notes: Counter[str]) -> None:
         super().__init__(path, notes)
         if self.content[: len(MAGIC)].tobytes() != MAGIC:
-            raise SourceError(f"{path}: cannot be read: is no bag of version 2.0")
+            first = self.content[: len(MAGIC)].tobytes()
+            older = first[len(_VERSION) : -1].decode("ascii", "replace") if first.startswith(_VERSION) else ""
+            way = (
+                "; with ROS 1 `rosbag play` while `rosbag record -a` runs makes one of it" if older[:2] == "1." else ""
+            )
+            said = f"is a bag of version {older!s:.9}; expected 2.0{way}" if older.isprintable() and older else ""
+            raise SourceError(f"{path}: cannot be read: {said or 'is no bag of version 2.0'}")
         self.chunks: list[Chunk] = []
         self._defined: dict[int, tuple[str, str, str]] = {}
         self._counts: Counter[int] = Counter()
