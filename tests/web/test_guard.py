@@ -1,8 +1,6 @@
-"""Nobody from elsewhere, nothing too large, and no address that others reach without a token."""
+"""Nobody from elsewhere, and nothing too large."""
 
 import socket
-import subprocess
-import sys
 
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
@@ -25,49 +23,9 @@ def raw(served, head):
 def guarded(tmp_path_factory):
     design = tmp_path_factory.mktemp("guarded") / "courier.yaml"
     design.write_text(SMALL)
-    with serving(design, token="a secret & more") as served:
+    with serving(design) as served:
+        served.service.visitors.users.add_person("anna", "editor", "a long pass phrase")
         yield served
-
-
-def test_an_address_that_others_reach_needs_a_token(tmp_path):
-    design = tmp_path / "courier.yaml"
-    design.write_text(SMALL)
-    command = [sys.executable, "-m", "robophm", "serve", str(design), "--host", "0.0.0.0", "--port", "0"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
-    assert done.returncode == 3
-    assert done.stderr.startswith("error: 0.0.0.0: others on the network would reach the design")
-    assert done.stderr.count("\n") == 1
-
-
-@pytest.mark.parametrize("headers", [{}, {"authorization": "Bearer wrong"}, {"cookie": "robophm_token=wrong"},
-                                     {"authorization": "Basic x"}, {"cookie": "robophm_token"}])  # fmt: skip
-@pytest.mark.parametrize("path", ["/", "/api/design", "/metrics", "/api/nothing", "/assets/x.js"])
-def test_without_the_token_there_is_nothing(guarded, path, headers):
-    answer = guarded.client.get(path, headers={"authorization": "", **headers})
-    assert answer.status_code == 401
-    assert "token" in answer.json()["message"]
-
-
-def test_a_person_without_the_token_is_asked_for_it_and_a_program_told(guarded):
-    asking = {"authorization": "", "accept": "text/html,application/xhtml+xml"}
-    page = guarded.client.get("/?token=wrong", headers=asking)
-    assert (page.status_code, page.headers["content-type"]) == (401, "text/html; charset=utf-8")
-    assert 'name="token"' in page.text
-    assert "a secret" not in page.text
-    assert guarded.client.get("/api/health", headers=asking).json()["message"].startswith("expected the token")
-
-
-def test_the_token_opens_and_does_not_stay_in_the_address(guarded):
-    client = guarded.client
-    answer = client.get("/?token=a+secret+%26+more&x=1", headers={"authorization": ""}, follow_redirects=False)
-    assert answer.status_code == 303
-    assert answer.headers["location"] == "/?x=1"
-    cookie = answer.headers["set-cookie"]
-    assert {"HttpOnly", "SameSite=Strict"} <= {part.strip() for part in cookie.split(";")}
-    cookies = {"cookie": cookie.partition(";")[0], "authorization": ""}
-    client.cookies.clear()
-    assert client.get("/api/design", headers=cookies).status_code == 200
-    assert client.get("/api/design").status_code == 200
 
 
 def test_a_page_from_elsewhere_may_not_write(shared_small):

@@ -219,7 +219,7 @@ def test_where_the_past_is_kept_is_said(cart: Path) -> None:
     assert said_at_start(cart)[0][1] == "The robot's past is kept in cart.yaml.past"
     assert said_at_start(cart, "--store", "sqlite:other.db")[0][1] == "The robot's past is kept in other.db"
     assert said_at_start(cart, "--no-store")[0][1] == "The robot's past is kept only until then"
-    assert sorted(path.name for path in cart.parent.iterdir()) == ["cart.yaml", "cart.yaml.edits"]
+    assert sorted(path.name for path in cart.parent.iterdir()) == ["cart.yaml", "cart.yaml.access", "cart.yaml.edits"]
 
 
 def test_a_store_of_another_version_is_refused_in_words(cart: Path) -> None:

@@ -9,6 +9,7 @@ import { Palette } from "./parts/Palette";
 import { PastButton } from "./parts/Past";
 import { ProblemsButton } from "./parts/Problems";
 import { Toasts } from "./parts/Toasts";
+import { User } from "./parts/User";
 import { PAGES } from "./pages";
 
 /** One page that fails does not take the others with it. */
@@ -69,6 +70,7 @@ function Top({ openPalette, openHelp }: { openPalette: () => void; openHelp: () 
           <State of={health.state} limited={health.limits_set} title={health.why.join("\n") || undefined} />
         </a>
       )}
+      <User />
       <ProblemsButton />
       <PastButton />
       <button onClick={() => void undo()} disabled={undoes == null} title={undoes == null ? "Nothing to undo" : `Undo: ${undoes} (Ctrl+Z)`}>

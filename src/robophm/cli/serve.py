@@ -29,7 +29,6 @@ class Wishes:
 
     host: str
     port: int
-    token: str | None
     store: str | None
     journal: Path | None
     recordings: Sequence[Path]
@@ -39,17 +38,18 @@ class Wishes:
     no_store: bool = False
     notify: Sequence[str] = ()
     """Addresses that are told of alarms."""
+    certificate: Path | None = None
+    key: Path | None = None
+    proxies: Sequence[str] = ()
+    """Addresses of reverse proxies that are believed when they say who asks."""
 
 
 def command(
     design: Annotated[
         Path, typer.Argument(help="the robot's design file; one that is not there yet is drafted on the page")
     ] = Path("robot.yaml"),
-    host: Annotated[str, typer.Option(help="address to listen on; any but 127.0.0.1 needs --token")] = "127.0.0.1",
+    host: Annotated[str, typer.Option(help="address to listen on; any but 127.0.0.1 needs users")] = "127.0.0.1",
     port: Annotated[int, typer.Option(min=0, max=65535, help="0 is any that is free")] = 8707,
-    token: Annotated[
-        str | None, typer.Option(help="secret that browsers must show once", envvar="ROBOPHM_TOKEN")
-    ] = None,
     store: GrowingStore = None,
     no_store: Annotated[
         bool, typer.Option("--no-store", help="keep the robot's past nowhere; else beside the design")
@@ -64,10 +64,18 @@ def command(
     ] = None,
     speed: Annotated[float, typer.Option(help="of a recording, as a multiple of its own")] = 1.0,
     notify: Notify = None,
+    certificate: Annotated[
+        Path | None, typer.Option(help="certificate for TLS, in PEM; else one is made where others reach the page")
+    ] = None,
+    key: Annotated[Path | None, typer.Option(help="its key, where that is in no file with it")] = None,
+    proxy: Annotated[
+        list[str] | None,
+        typer.Option(help="address of a reverse proxy that logs people in, and is believed", metavar="ADDRESS"),
+    ] = None,
 ) -> None:
     """The page: design a robot, bind its sensors and watch its health, in any browser."""
-    run(design, Wishes(host, port, token, store, journal, tuple(recordings or ()), synthetic, start, speed,
-                       no_store, tuple(notify or ())))  # fmt: skip
+    run(design, Wishes(host, port, store, journal, tuple(recordings or ()), synthetic, start, speed,
+                       no_store, tuple(notify or ()), certificate, key, tuple(proxy or ())))  # fmt: skip
 
 
 def own_store(design: Path) -> str | None:
@@ -88,7 +96,8 @@ def own_store(design: Path) -> str | None:
 def run(design: Path, wishes: Wishes) -> None:
     """Serve the page until interrupted. Raises RobophmError."""
     if wishes.start is None:
-        used = ("design", "host", "port", "token", "store", "no_store", "journal", "recordings", "synthetic", "notify")
+        used = ("design", "host", "port", "store", "no_store", "journal", "recordings", "synthetic", "notify",
+                "certificate", "key", "proxy")  # fmt: skip
         refuse_unused("a page on which nothing is watched at once (--start)", used)
     from robophm.transports.recordings.files import recordings_in
 
@@ -101,13 +110,18 @@ def run(design: Path, wishes: Wishes) -> None:
         raise
     if wishes.store and wishes.no_store:
         raise RobophmError("--store and --no-store: expected one of them")
+    if os.environ.get("ROBOPHM_TOKEN"):
+        raise RobophmError("ROBOPHM_TOKEN is not used any more; expected `robophm users add --token`, and it unset")
+    if wishes.key and not wishes.certificate:
+        raise RobophmError("--key is that of a certificate; expected --certificate too")
     may_write(wishes.journal, design, *files_of(wishes.store))
     for file in files_of(wishes.store):
         may_write(file, design)
     own = None if wishes.no_store or wishes.store else own_store(design)
     settings = Settings(
         design, wishes.store or own, wishes.journal, recordings_in(wishes.recordings), 1 if wishes.synthetic else None,
-        wishes.host, wishes.token, own_store=own is not None, notify=tuple(wishes.notify),
+        wishes.host, tuple(wishes.proxies), wishes.certificate, wishes.key, own_store=own is not None,
+        notify=tuple(wishes.notify),
     )  # fmt: skip
 
     def ready(address: str, service: Service, stop: Callable[[], None]) -> None:
@@ -118,6 +132,11 @@ def run(design: Path, wishes: Wishes) -> None:
         if wishes.start:
             service.keep_watching(wishes.start, wishes.speed)
         console().print(f"{design} is served at {address} until Ctrl+C", markup=False, soft_wrap=True)
+        if service.fingerprint:
+            said = f"Its certificate has the SHA-256 fingerprint {service.fingerprint}"
+            console().print(said, markup=False, emoji=False, soft_wrap=True)
+        if service.visitors.known_alone:
+            console().print("Whoever opens it has to log in", markup=False, soft_wrap=True)
         where = f"in {place_of(settings.store)}" if settings.store else "only until then"
         console().print(f"The robot's past is kept {where}", markup=False, soft_wrap=True)
 

@@ -39,8 +39,8 @@ DESCRIPTION = (
 
 
 GUARDED: dict[int | str, dict[str, Any]] = {
-    401: {"model": Trouble, "description": "The token is missing or wrong"},
-    403: {"model": Trouble, "description": "Asked by a page from elsewhere"},
+    401: {"model": Trouble, "description": "Nobody is logged in, and no token is right"},
+    403: {"model": Trouble, "description": "For another role, or asked by a page from elsewhere"},
     413: {"model": Trouble, "description": "Larger than it may be"},
     422: {"model": Trouble, "description": "Refused, and why"},
 }
@@ -48,8 +48,7 @@ GUARDED: dict[int | str, dict[str, Any]] = {
 
 
 def create_app(settings: Settings) -> FastAPI:
-    """Return the service of one robot. Raises DesignError, StoreError; ValueError for an open address without a
-    token."""
+    """Return the service of one robot. Raises DesignError, StoreError."""
     service = Service(settings)
 
     @asynccontextmanager
@@ -64,7 +63,8 @@ def create_app(settings: Settings) -> FastAPI:
     else:
         app.add_api_route("/", _unbuilt, include_in_schema=False)
     app.add_middleware(GZipMiddleware, minimum_size=2000, compresslevel=5)
-    app.add_middleware(Guard, host=settings.host, token=settings.token)
+    every = [route for router in routers() for route in router.routes]
+    app.add_middleware(Guard, host=settings.host, visitors=service.visitors, routes=every)
     return app
 
 

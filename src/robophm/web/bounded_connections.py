@@ -4,6 +4,7 @@ was silent for longest goes."""
 from __future__ import annotations
 
 import asyncio
+import ssl
 
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
@@ -24,16 +25,45 @@ class BoundedConnection(H11Protocol):
     silent for longest first.
     """
 
+    tls: ssl.SSLContext | None = None
+    """The context by which connections are secured, where they are; a class of one's own sets it."""
+
     _end: asyncio.TimerHandle | None = None
+    _early: bytearray | None = None
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Begin to wait for a request."""
-        super().connection_made(transport)
+        """Begin to wait for a request, over TLS for the handshake before."""
         self._waiting: dict[BoundedConnection, str] = vars(self.server_state).setdefault("waiting", {})
+        if self.tls and not transport.get_extra_info("sslcontext"):
+            self.transport = transport
+            transport.pause_reading()  # what comes is the handshake's
+            self._early = bytearray()
+            self._wait("handshake", HEADERS_WITHIN)
+            self._securing = self.loop.create_task(self._secure(transport, self.tls))
+            return
+        super().connection_made(transport)
         self._look()
 
+    async def _secure(self, transport: asyncio.Transport, tls: ssl.SSLContext) -> None:
+        """Shake hands here, not in the server: else who never does holds connections that nobody counts."""
+        try:
+            secured = await self.loop.start_tls(
+                transport, self, tls, server_side=True, ssl_handshake_timeout=HEADERS_WITHIN
+            )
+        except OSError:  # of TLS too, and of time
+            self._go_on()
+            return
+        if secured is not None and not secured.is_closing():
+            early, self._early = self._early, None
+            self.connection_made(secured)
+            if early:
+                self.data_received(bytes(early))
+
     def data_received(self, data: bytes) -> None:
-        """Take what has come."""
+        """Take what has come, once it is known of which connection: the first request may come with the handshake."""
+        if self._early is not None:
+            self._early += data
+            return
         super().data_received(data)
         self._look()
 
@@ -45,7 +75,8 @@ class BoundedConnection(H11Protocol):
     def connection_lost(self, exc: Exception | None) -> None:
         """Wait no longer."""
         self._go_on()
-        super().connection_lost(exc)
+        if hasattr(self, "server"):  # else it was never secured
+            super().connection_lost(exc)
 
     def _look(self) -> None:
         """See what the connection waits for now."""

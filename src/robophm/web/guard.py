@@ -1,4 +1,4 @@
-"""The guard of the service: no request from elsewhere, none too large, and a token where others can reach it.
+"""The guard of the service: no request from elsewhere, none too large, and each only of whoever may.
 
 A web site that a person visits could ask a service on that person's machine in their name. So requests must name this
 host, writes and WebSockets must come from its own page, and what is answered may load nothing from elsewhere.
@@ -6,15 +6,22 @@ host, writes and WebSockets must come from its own page, and what is answered ma
 
 from __future__ import annotations
 
-import hmac
 import json
-from contextlib import suppress
-from http.cookies import CookieError, SimpleCookie
-from ipaddress import ip_address
-from urllib.parse import parse_qsl, urlencode, urlsplit
+import time
+from collections.abc import Sequence
+from urllib.parse import urlsplit
 
+from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.routing import BaseRoute
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from robophm.web.access.changes import CHANGE, Change
+from robophm.web.access.login_page import HEADERS, login_page
+from robophm.web.access.proxies import is_loopback
+from robophm.web.access.roles import LOOKING, may, role_needed
+from robophm.web.access.users import User
+from robophm.web.access.visitors import Visitors
 
 MOST_BYTES = 24_000_000
 """Largest body of a request [bytes]: a design is 20 MB at most."""
@@ -22,10 +29,14 @@ MOST_BYTES = 24_000_000
 FILES, MOST_OF_FILES = "/api/new/files", 8_000_000_000
 """The one address that takes larger ones, recordings, which are written to the disk as they come; and their most."""
 
-WITHOUT_TOKEN = ("/healthz", "/readyz")
-"""Addresses that a supervisor asks, whose answers tell nothing of the robot."""
+OPEN_TO_ALL = ("/healthz", "/readyz", "/login")
+"""Addresses that a supervisor asks, whose answers tell nothing of the robot, and the one to log in at."""
 
-COOKIE = "robophm_token"
+LOGIN, MOST_OF_LOGIN = "/login", 10_000
+"""The one address at which a body is read of whoever is not known, and its most."""
+
+LOOKED_AT_AGAIN = 10.0
+"""Seconds after which it is looked again whether whoever watches live values still may."""
 
 SECURITY = {
     "content-security-policy": "default-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'; "
@@ -35,76 +46,62 @@ SECURITY = {
     "cross-origin-opener-policy": "same-origin",
     "cross-origin-resource-policy": "same-origin",
 }
-TOKEN_PAGE = b"""<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
-<title>robophm: token</title></head>
-<body><main><h1>This service asks for its token</h1>
-<p>It was printed when <code>robophm serve</code> was started. One that came with this address is not it.</p>
-<form action="/"><label>Token <input type="password" name="token" required autocomplete="current-password"></label>
-<button>Open</button></form></main></body></html>
-"""
-"""The page that asks a person for the token where the browser does not know it; programs are told in JSON."""
-
 REPORT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
 """Content security policy of a stand-alone report, whose style is within."""
-
-
-def is_loopback(host: str) -> bool:
-    """Whether only this machine can reach an address."""
-    if host == "localhost":
-        return True
-    try:
-        return ip_address(host.strip("[]")).is_loopback
-    except ValueError:
-        return False
 
 
 class Guard:
     """Middleware around the whole service."""
 
-    def __init__(self, app: ASGIApp, host: str, token: str | None) -> None:
-        self._app = app
+    def __init__(self, app: ASGIApp, host: str, visitors: Visitors, routes: Sequence[BaseRoute]) -> None:
+        self._app, self._visitors, self._routes = app, visitors, routes
         self._open = not is_loopback(host)
-        self._token = token
-        if self._open and not token:
-            raise ValueError("an address that others reach needs a token")
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Refuse a request from elsewhere, or pass it on."""
+        """Refuse a request from elsewhere, or of whoever may not, or pass it on."""
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
         headers = Headers(scope=scope)
-        refused = self._refusal(scope, headers)
+        user = self._visitors.who(scope, headers)
+        refused = self._refusal(scope, headers) or self._not_allowed(scope, user)
         if refused:
             await _refuse(scope, receive, send, *refused)
             return
+        scope["user"] = user
         if scope["type"] == "websocket":
-            await self._app(scope, receive, send)
+            await self._app(scope, receive, self._while_allowed(scope, headers, send))
             return
-        if self._token and (asked := _without_token(scope, self._token)):
-            await _welcome(send, asked, self._token, secure=scope.get("scheme") == "https")
-            return
+        change = self._change(scope, headers, user)
 
         async def answer(message: Message) -> None:
             if message["type"] == "http.response.start":
+                if change and message["status"] < 400:
+                    await run_in_threadpool(self._visitors.changes.add, change)
                 said = MutableHeaders(scope=message)
                 for name, value in SECURITY.items():
                     said.setdefault(name, value)
+                if self._visitors.is_secure(scope, headers):
+                    said.setdefault("strict-transport-security", "max-age=31536000")
                 said.setdefault("cache-control", _kept(scope["path"]))
             await send(message)
 
-        await self._app(scope, _bounded(receive, _most(scope["path"])), answer)
+        token = CHANGE.set(change)
+        try:
+            await self._app(scope, _bounded(receive, _most(scope["path"])), answer)
+        finally:
+            CHANGE.reset(token)
 
     def _refusal(self, scope: Scope, headers: Headers) -> tuple[int, str] | None:
+        """Why a request is refused whoever asks."""
         host = headers.get("host", "")
         try:
             name = urlsplit(f"//{host}").hostname or ""
         except ValueError:
             name = ""
-        if not self._open and not is_loopback(name):
+        if not self._open and not is_loopback(name) and not self._visitors.by_proxy(scope):
             return 421, "this service is for its own machine; expected the host 127.0.0.1 or localhost"
-        writes = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD", "OPTIONS")
+        writes = scope["type"] == "websocket" or scope["method"] not in LOOKING
         origin = headers.get("origin")
         if writes and origin is not None and not _same(origin, host):
             return 403, "a page from elsewhere may not do this"
@@ -113,26 +110,44 @@ class Guard:
         length = headers.get("content-length", "0")
         most = _most(scope["path"])
         if not length.isdecimal() or int(length) > most:
-            return 413, f"the request is larger than {most // 1_000_000:,} MB"
-        if self._token and scope["path"] not in WITHOUT_TOKEN and not self._knows(scope, headers):
-            return 401, "expected the token that the service was started with: open its address with ?token=… once"
+            return 413, f"the request is larger than {most / 1_000_000:,g} MB"
         return None
 
-    def _knows(self, scope: Scope, headers: Headers) -> bool:
-        said = [value for key, value in parse_qsl(scope["query_string"].decode("latin-1")) if key == "token"]
-        kind, _, bearer = headers.get("authorization", "").partition(" ")
-        if kind.lower() == "bearer":
-            said.append(bearer.strip())
-        cookies: SimpleCookie = SimpleCookie()
-        with suppress(CookieError):
-            cookies.load(headers.get("cookie", ""))
-        if COOKIE in cookies:
-            said.append(cookies[COOKIE].value)
-        return any(hmac.compare_digest(one.encode(), (self._token or "").encode()) for one in said)
+    def _not_allowed(self, scope: Scope, user: User | None) -> tuple[int, str] | None:
+        """Why whoever asks is refused."""
+        if scope["path"] in OPEN_TO_ALL:
+            return None
+        if user is None:
+            return 401, "expected somebody who is logged in, or a token: Authorization: Bearer …"
+        needed = role_needed(scope, self._routes)
+        if not may(user.role, needed):
+            return 403, f"this is for the role {needed}; {user.name} has the role {user.role}"
+        return None
+
+    def _change(self, scope: Scope, headers: Headers, user: User | None) -> Change | None:
+        """The change that a request makes, to be logged; None where it can make none."""
+        if scope["method"] in LOOKING or not user or role_needed(scope, self._routes) == "viewer":
+            return None
+        what = f"{scope['method']} {scope['path']}"[:200]
+        return Change(user.name, user.role, self._visitors.address_of(scope, headers), what)
+
+    def _while_allowed(self, scope: Scope, headers: Headers, send: Send) -> Send:
+        """Send what is to be sent as long as whoever asked may have it."""
+        looked = time.monotonic()
+
+        async def checked(message: Message) -> None:
+            nonlocal looked
+            if message["type"] == "websocket.send" and time.monotonic() - looked > LOOKED_AT_AGAIN:
+                looked = time.monotonic()
+                if self._visitors.who(scope, headers) is None:
+                    message = {"type": "websocket.close", "code": 4401, "reason": "no longer logged in"}
+            await send(message)
+
+        return checked
 
 
 def _most(path: str) -> int:
-    return MOST_OF_FILES if path == FILES else MOST_BYTES
+    return {FILES: MOST_OF_FILES, LOGIN: MOST_OF_LOGIN}.get(path, MOST_BYTES)
 
 
 def _kept(path: str) -> str:
@@ -147,32 +162,6 @@ def _same(origin: str, host: str) -> bool:
         return urlsplit(origin).netloc.lower() == host.lower()
     except ValueError:
         return False
-
-
-def _without_token(scope: Scope, token: str) -> str | None:
-    """The address at which a page opened with the token goes on, so that the token stays in no history and no log."""
-    pairs = parse_qsl(scope["query_string"].decode("latin-1"), keep_blank_values=True)
-    if scope["method"] != "GET" or scope["path"].startswith("/api/") or ("token", token) not in pairs:
-        return None
-    rest = urlencode([pair for pair in pairs if pair[0] != "token"])
-    return "/" + str(scope["path"]).lstrip("/\\") + (f"?{rest}" if rest else "")
-
-
-async def _welcome(send: Send, location: str, token: str, *, secure: bool) -> None:
-    cookie: SimpleCookie = SimpleCookie()
-    cookie[COOKIE] = token
-    said = cookie[COOKIE]
-    for key, value in (("path", "/"), ("samesite", "Strict"), ("max-age", str(30 * 86400))):
-        said[key] = value
-    said["httponly"], said["secure"] = True, secure
-    headers = [
-        (b"location", location.encode("ascii", "ignore")),
-        (b"set-cookie", said.OutputString().encode()),
-        (b"cache-control", b"no-store"),
-        (b"referrer-policy", b"no-referrer"),
-    ]
-    await send({"type": "http.response.start", "status": 303, "headers": headers})
-    await send({"type": "http.response.body", "body": b""})
 
 
 class TooLargeError(Exception):
@@ -201,11 +190,13 @@ async def _refuse(scope: Scope, receive: Receive, send: Send, status: int, why: 
         return
     asked = Headers(scope=scope).get("accept", "")
     if status == 401 and "text/html" in asked and not str(scope["path"]).startswith("/api/"):
-        kind, body = b"text/html; charset=utf-8", TOKEN_PAGE
+        kind, body, policy = b"text/html; charset=utf-8", login_page().encode(), HEADERS["referrer-policy"]
     else:
         kind, body = b"application/json", json.dumps({"message": why, "place": []}).encode()
+        policy = SECURITY["referrer-policy"]
     headers = [(b"content-type", kind), (b"content-length", str(len(body)).encode()), (b"cache-control", b"no-store")]
-    headers += [(name.encode(), value.encode()) for name, value in SECURITY.items()]
+    said = {**SECURITY, "referrer-policy": policy}
+    headers += [(name.encode(), value.encode()) for name, value in said.items()]
     if status == 401:
         headers.append((b"www-authenticate", b"Bearer"))
     await send({"type": "http.response.start", "status": status, "headers": headers})

@@ -26,6 +26,9 @@ from robophm.health.outlooks import View, outlooks
 from robophm.health.prognosis import Outlook
 from robophm.monitoring.notices import Notices
 from robophm.stores import Address
+from robophm.web.access.file import AccessFile, access_path
+from robophm.web.access.proxies import Proxies, is_loopback
+from robophm.web.access.visitors import Visitors
 from robophm.web.jobs import Jobs
 from robophm.web.monitoring import Monitoring
 from robophm.web.prepared_robot import PreparedRobot, rates_of
@@ -64,7 +67,11 @@ class Settings:
     seed: int | None = None
     """Seed of the synthetic robot, where it can be chosen."""
     host: str = "127.0.0.1"
-    token: str | None = None
+    proxies: tuple[str, ...] = ()
+    """Addresses of reverse proxies that are believed when they say who asks."""
+    certificate: Path | None = None
+    """Certificate of the service, and its key where that is in no file of its own."""
+    key: Path | None = None
     own_store: bool = False
     """Whether the store is this robot's alone, as one beside its design is: recordings that are played do not count."""
     notify: tuple[str, ...] = ()
@@ -77,6 +84,13 @@ class Service:
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
         self.workspace = Workspace(settings.design)
+        access = access_path(settings.design)
+        self._access = AccessFile(access if access.exists() or self.workspace.lasting else None)
+        self.visitors = Visitors(self._access, reached_by_others=not is_loopback(settings.host),
+                                 proxies=Proxies(settings.proxies))  # fmt: skip
+        self.fingerprint = ""
+        """SHA-256 fingerprint of the certificate; empty without TLS."""
+        self.workspace.on_change = self.visitors.changes.design_changed
         self.notices = Notices(settings.notify)
         self.monitoring = Monitoring(settings.store, settings.journal, own=settings.own_store, notices=self.notices)
         self.jobs = Jobs()
@@ -224,6 +238,7 @@ class Service:
         self.notices.close()
         self.jobs.close()
         self.workspace.close()
+        self._access.close()
 
 
 def told(problems: Iterable[Found]) -> list[Problem]:

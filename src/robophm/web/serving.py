@@ -7,32 +7,26 @@ import socket
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import uvicorn
 
 from robophm.core.errors import RobophmError
 from robophm.core.rate_limited_log import limit_rate
 from robophm.core.supervisor import Supervisor
+from robophm.web.access.certificate import fingerprint, own_certificate, tls_context
+from robophm.web.access.proxies import is_loopback
 from robophm.web.app import create_app
 from robophm.web.bounded_connections import MOST_WAITING, BoundedConnection
-from robophm.web.guard import is_loopback
 from robophm.web.service import Service, Settings
-
-SHORTEST_TOKEN = 16
-"""Characters of a token that keeps others out: what is shorter can be guessed."""
 
 
 def serve(settings: Settings, port: int, ready: Callable[[str, Service, Callable[[], None]], None]) -> None:
     """Serve until interrupted; ``ready`` is told the address, the service, and how to stop it.
 
-    Port 0 is any that is free. Raises RobophmError where the address cannot be had, or others reach it and there is no
-    token; else as ``create_app``.
+    Port 0 is any that is free. Raises RobophmError where the address cannot be had, or others reach it and there are no
+    users; else as ``create_app``.
     """
-    if not is_loopback(settings.host) and len(settings.token or "") < SHORTEST_TOKEN:
-        raise RobophmError(
-            f"{settings.host}: others on the network would reach the design; expected a secret token too, of at least "
-            f"{SHORTEST_TOKEN} characters"
-        )
     limit_rate("uvicorn.error", "asyncio", "robophm")
     supervisor = Supervisor()
     with (
@@ -41,21 +35,36 @@ def serve(settings: Settings, port: int, ready: Callable[[str, Service, Callable
         app = create_app(settings)
         service: Service = app.state.service
         try:
+            certificate = _certificate(settings, service)
             with _listen(settings.host, port) as listener:
+                connection = type("Connection", (BoundedConnection,), {
+                    "tls": tls_context(certificate, settings.key) if certificate else None
+                })  # fmt: skip
                 config = uvicorn.Config(
-                    app, log_level="warning", access_log=False, http=BoundedConnection, ws="websockets-sansio",
+                    app, log_level="warning", access_log=False, http=connection, ws="websockets-sansio",
                     ws_max_size=1 << 20, ws_max_queue=32, limit_concurrency=2 * MOST_WAITING, timeout_keep_alive=15,
-                    timeout_graceful_shutdown=2, server_header=False,
+                    timeout_graceful_shutdown=2, server_header=False, proxy_headers=False,
                 )  # fmt: skip
                 wish.ends(server := _Server(config, supervisor))
                 host = f"[{settings.host}]" if ":" in settings.host else settings.host
-                query = f"?token={settings.token}" if settings.token else ""
-                ready(f"http://{host}:{listener.getsockname()[1]}/{query}", service, wish.stop)
+                address = f"{'https' if certificate else 'http'}://{host}:{listener.getsockname()[1]}/"
+                service.fingerprint = fingerprint(certificate) if certificate else ""
+                ready(address, service, wish.stop)
                 supervisor.ready("serving")
                 server.run(sockets=[listener])
         finally:
             supervisor.ending()
             service.close()
+
+
+def _certificate(settings: Settings, service: Service) -> Path | None:
+    """The certificate of the service; one of its own where others reach it. Raises RobophmError."""
+    if not is_loopback(settings.host) and not settings.proxies and not service.visitors.users:
+        raise RobophmError(f"{settings.host}: others on the network would reach the design; expected a user first")
+    if settings.certificate or settings.proxies or is_loopback(settings.host):
+        return settings.certificate
+    design = settings.design
+    return own_certificate(design.with_name(f"{design.name}.pem"), settings.host)
 
 
 class _Server(uvicorn.Server):

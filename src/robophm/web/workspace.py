@@ -93,6 +93,8 @@ class Workspace:
         self._revision = 0
         self._seen: str | None = None  # in the file at the last call of follow_file
         self._stamp: tuple[tuple[int, ...], bool] | None = None  # of the file when it was last looked at
+        self.on_change: Callable[[dict[str, Any], dict[str, Any]], None] | None = None
+        """Told the document before and after each change."""
         if not path.parent.is_dir():
             raise DesignError(f"{path}: no such folder")
         self.begun = not path.exists()
@@ -137,9 +139,9 @@ class Workspace:
     def _take_in(self, text: str) -> None:
         """Take in what somebody else made of the file: one more state, undone as any."""
         with self._base:
-            state, revision, _ = self._here()
-            found = self._add(state, text, "changed outside")
-            self._base.execute("UPDATE here SET state = ?, revision = ?, saved = ?", (found, revision + 1, found))
+            found = self._add(self._here()[0], text, "changed outside")
+            self._base.execute("UPDATE here SET saved = ?", (found,))
+            self._go(found)
 
     @property
     def revision(self) -> int:
@@ -394,19 +396,22 @@ class Workspace:
             raise StaleError(f"the design has changed since: revision {now}, not {revision}")
 
     def _move(self, text: str, what: str) -> Draft:
-        state, revision, _ = self._here()
+        state = self._here()[0]
         if text != self._text(state):
             with self._base:
                 state = self._add(state, text, what)
-                self._base.execute("UPDATE here SET state = ?, revision = ?", (state, revision + 1))
+                self._go(state)
         if self._document and self._document[0] == -1:
             self._document = state, self._document[1]
         return self.draft()
 
     def _go(self, state: int | None) -> Draft:
         if state is not None:
+            before = self._here()[0]
             with self._base:
                 self._base.execute("UPDATE here SET state = ?, revision = revision + 1", (state,))
+            if self.on_change:
+                self.on_change(*(self.checked.of(self._text(one)).document for one in (before, state)))
         return self.draft()  # which takes note of the revision
 
 

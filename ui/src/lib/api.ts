@@ -61,6 +61,7 @@ async function answer(method: Method, path: string, query: Query, body?: unknown
     throw new Refused(0, "the service does not answer; is robophm serve still running?");
   }
   if (response.ok) return response;
+  if (response.status === 401) location.reload(); // which asks to log in
   const why = (await said(response)) as { message?: string; place?: string[]; current?: DesignState } & Partial<Outside>;
   const message = why.message ?? `refused (${response.status})`;
   const outside = why.digest ? { message, digest: why.digest, changes: why.changes ?? [] } : undefined;

@@ -16,7 +16,7 @@ OPTIONS = {
     "as with fewer levels": "as with fewer levels (--bins)",
     "expected a robot with a past": "expected a robot with a past (--store, or --at)",
     "expected one, or the robot's usual speed": "expected one, e.g. --speed 0.3",
-    "expected a secret token too": "expected --token with a secret too",
+    "expected a user first": "expected a user first (`robophm users add`)",
     "columns they are in a mapping file": "columns they are in a mapping file (import-bom --mapping)",
     "expected a fit by likelihood": "expected --by likelihood",
     "or repaired systems with their power law": "or --repairable for repaired systems",
