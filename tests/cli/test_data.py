@@ -48,6 +48,33 @@ def refused(done):
     return done.stderr
 
 
+def test_a_drive_in_many_files_is_one_entry(inside, tmp_path):
+    """With the topics once, in fewer than 60 lines; for machines each file comes."""
+    from mcap.writer import Writer
+
+    for number in range(70):
+        with (tmp_path / f"drive_{number}.mcap").open("wb") as file:
+            writer = Writer(file)
+            writer.start(profile="ros2")
+            schema = writer.register_schema("std_msgs/msg/Float64", "ros2msg", b"float64 data\n")
+            for topic in ("/level", *["/charger"] * (number == 40)):
+                channel = writer.register_channel(topic, "cdr", schema)
+                for second in range(60):
+                    time = 10**18 + (60 * number + second) * SECOND
+                    writer.add_message(channel, time, b"\0\1\0\0" + bytes(8), time)
+            writer.finish()
+    shown = inside("data", ".")
+    assert (shown.returncode, shown.stderr) == (OK, "")
+    words = " ".join(shown.stdout.split())
+    assert words.startswith("70 files, drive_0.mcap … drive_69.mcap: 2001-09-09 01:46:40.000 UTC, 1.17 h")
+    for text in ("topic in files messages", "/charger 1 60 1", "/level 70 4,200 1"):
+        assert text in words
+    assert shown.stdout.count("\n") < 60
+    found = document(inside("data", ".", "--json"))["recordings"]
+    assert [len(one["topics"]) for one in found].count(2) == 1
+    assert sum(topic["messages"] for one in found for topic in one["topics"]) == 4260
+
+
 def test_a_folder_is_listed(inside, bags):
     shown = inside("data", "bags")
     assert (shown.returncode, shown.stderr) == (OK, "")

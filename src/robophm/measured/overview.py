@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
@@ -103,21 +104,13 @@ LOOKED_INTO = PLACES_NAMING * MOST_UNNAMED
 
 def overview(recorded: Recorded, gap: int | None = None) -> Overview:
     """Return an overview of a recording; silence of a ``gap`` [ns], or GAP times the median interval, counts as one."""
-    names: dict[str, dict[str, list[str]]] = {}
-    undecoded: dict[str, str] = {}
-    with suppress(SourceError), Salvage(*recorded.paths) as recording:  # what is damaged is said below
-        names, undecoded = recording.names(), recording.undecoded()
+    return named(timed(recorded, gap), recorded.paths)
+
+
+def timed(recorded: Recorded, gap: int | None = None) -> Overview:
+    """Return an overview, but for what only a look into messages tells: names, and why there are no numbers."""
     topics = {
-        name: _Heard(
-            Topic(
-                name,
-                type_,
-                {one: field_unit(type_, one) for one in fields},
-                names.get(name, {}),
-                no_numbers="" if fields else undecoded.get(name, "its type has none"),
-            ),
-            gap,
-        )
+        name: _Heard(Topic(name, type_, {one: field_unit(type_, one) for one in fields}), gap)
         for name, (type_, fields) in recorded.topics.items()
     }
     columns = recorded.columns((), recorded.topics)
@@ -128,6 +121,18 @@ def overview(recorded: Recorded, gap: int | None = None) -> Overview:
     finally:
         columns.close()
     return Overview(recorded.name, [one.topic() for one in topics.values()], columns.notes)
+
+
+def named(seen: Overview, paths: Sequence[Path]) -> Overview:
+    """Add the names of elements that some messages in these files tell, and why a topic has no numbers; return it."""
+    names: dict[str, dict[str, list[str]]] = {}
+    undecoded: dict[str, str] = {}
+    with suppress(SourceError), Salvage(*paths) as recording:  # what is damaged is said in the notes
+        names, undecoded = recording.names(), recording.undecoded()
+    for topic in seen.topics:
+        topic.names = names.get(topic.name, {})
+        topic.no_numbers = "" if topic.fields else undecoded.get(topic.name, "its type has none")
+    return seen
 
 
 class _Heard:

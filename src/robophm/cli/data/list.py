@@ -16,6 +16,7 @@ from robophm.core.counted_notes import said
 from robophm.core.signal import HOUR
 from robophm.measured.overview import LOOKED_INTO, Overview, Topic, overview, per_second, within_bursts
 from robophm.measured.recordings import recordings
+from robophm.measured.splits import NAMING, Splits, splits_of
 from robophm.report.words import duration_text, moment_text, number_text
 
 
@@ -29,24 +30,27 @@ def command(
     """What recordings hold: topics, fields, units, time spans, gaps."""
     silence = None if gap is None else max_age(gap)
     each = recordings(bags)
-    shown: list[Overview] = []
     with counted(progress_console(), "reading") as advance:
-        for done, one in enumerate(each):
-            advance(done, len(each))
-            shown.append(overview(one, silence))
-    if as_json:
-        print_json({"recordings": [_overview_json(one) for one in shown]})
-        return
+        if as_json:
+            shown = []
+            for done, one in enumerate(each):
+                advance(done, len(each))
+                shown.append(_overview_json(overview(one, silence)))
+            print_json({"recordings": shown})
+            return
+        found = splits_of(each, silence, advance)
     out = console()
-    for seen in shown:
-        _print_overview(out, seen)
-    warn_of([note for seen in shown for note in said(seen.notes, seen.name if len(shown) > 1 else "")])
+    for some in found:
+        _print_splits(out, some)
+    warn_of([note for one in found for note in said(one.seen.notes, one.seen.name if len(found) > 1 else "")])
 
 
-def _print_overview(out: Console, one: Overview) -> None:
+def _print_splits(out: Console, some: Splits) -> None:
+    one = some.seen
     begin, end = one.span or (0, 0)
     none = "no message that can be read; what is wrong stands below" if one.notes else "no messages"
     span = f"{moment_text(begin)}, {duration_text((end - begin) / HOUR)}" if one.span else none
+    partly = any(count < len(some.files) for count in some.with_topic.values())
     rows = []
     for topic in one.topics:
         rate, heard = per_second(topic), ["–", "–"]
@@ -60,15 +64,17 @@ def _print_overview(out: Console, one: Overview) -> None:
             many = f"{topic.gap_count:,}" if topic.bursts is False else _bursts(topic)
             gaps = f"{many}; {duration_text(length / HOUR)} from {moment_text(at)[5:19]}"
         per = "–" if rate is None else " … ".join(dict.fromkeys(number_text(each, 3) for each in rate))
-        rows.append((topic.name, f"{topic.messages:,}", per, *heard, gaps))
-    columns = ("topic", "messages", "per s", "first after", "for", "gaps; longest")
-    print_table(out, table(f"{one.name}: {span}", columns, rows, figures=(1, 2, 3, 4)))
+        rows.append((topic.name, *([f"{some.with_topic[topic.name]:,}"] if partly else []), f"{topic.messages:,}", per,
+                     *heard, gaps))  # fmt: skip
+    columns = ("topic", *(["in files"] if partly else []), "messages", "per s", "first after", "for", "gaps; longest")
+    print_table(out, table(f"{one.name}: {span}", columns, rows, figures=range(1, len(columns) - 1)))
     out.print()
     fields = []
     for topic in one.topics:
         names = [f"{name} [{unit}]" if unit else name for name, unit in topic.fields.items() if "header." not in name]
-        some = " (and maybe others: some messages were looked into)" if topic.messages > LOOKED_INTO else ""
-        names += [f"{field} of {', '.join(of)}{some}" for field, of in topic.names.items()]
+        few = topic.messages > LOOKED_INTO or len(some.files) > NAMING
+        more = " (and maybe others: some messages were looked into)" if few else ""
+        names += [f"{field} of {', '.join(of)}{more}" for field, of in topic.names.items()]
         fields.append((topic.name, topic.type.replace("/msg/", "/") or "?", ", ".join(names) or _no_numbers(topic)))
     print_table(out, table("", ("topic", "type", "fields [unit]"), fields))
     out.print()

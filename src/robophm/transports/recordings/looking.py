@@ -104,8 +104,9 @@ def _holds_samples(path: Path) -> bool:
 
 def _parts(paths: Sequence[Path]) -> list[list[Path]]:
     """The files that are opened together: all of messages, and each of samples by itself."""
+    samples = [[path] for path in paths if _holds_samples(path)]
     messages = [path for path in paths if not _holds_samples(path)]
-    return [*([path] for path in paths if path not in messages), *([messages] if messages else [])]
+    return [*samples, *([messages] if messages else [])]
 
 
 def _chained(parts: Sequence[Iterator[Block]], notes: Counter[str]) -> Iterator[Block]:

@@ -36,6 +36,7 @@ from robophm.transports.signals.message_type import (
     field_getter,
     fields_of,
     kinds_of,
+    may_name_elements,
     message_type,
     ways_to,
 )
@@ -175,7 +176,7 @@ class Recording(SignalSource):
         for file, told in self._told:
             for one in file.connections:
                 _, spans = told.get(one.id, (0, []))
-                if not spans or "[]" not in " ".join(fields_of(one)):
+                if not spans or "[]" not in " ".join(fields_of(one)) or not may_name_elements(message_type(one)):
                     continue
                 known = found.setdefault(one.topic, {})
                 first, last = spans[0][0], spans[-1][1]

@@ -13,6 +13,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, fields, is_dataclass
+from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -223,7 +224,7 @@ def names_in(message: Any, most: int = MOST_NAMES) -> dict[str, list[str]]:
         around, chain = (*around, own), (*chain, one)
         for each in own:
             value = getattr(one, each.attribute)
-            if each.length is None and fields_in(value):
+            if each.length is None and _attributes(value):
                 look(value, f"{prefix}{each.name}.", around, chain)
             if each.length is None or each.type == "string" or not len(value) or len(found) >= most:
                 continue
@@ -233,7 +234,7 @@ def names_in(message: Any, most: int = MOST_NAMES) -> dict[str, list[str]]:
             if names:
                 found[f"{prefix}{each.name}[]"] = names
             for name, element in zip(names, value, strict=False):
-                if fields_in(element):
+                if _attributes(element):
                     look(element, f"{prefix}{each.name}[{bracketed(name)}].", around, chain)
 
     look(message, "", (), ())
@@ -270,4 +271,9 @@ def _attributes(message: Any) -> Iterable[str]:
     """The names of a message's parts, be it of rosbags, which adds some of its own, or of JSON."""
     if isinstance(message, SimpleNamespace):
         return vars(message)
-    return [one.name for one in fields(message) if not one.name.startswith("__")] if is_dataclass(message) else ()
+    return _attributes_of(type(message))  # type: ignore[arg-type]  # a class can be hashed
+
+
+@lru_cache(maxsize=1024)
+def _attributes_of(kind: type) -> tuple[str, ...]:
+    return tuple(one.name for one in fields(kind) if not one.name.startswith("__")) if is_dataclass(kind) else ()

@@ -37,6 +37,7 @@ MOST_LINES = 2000
 _NUMBERS = {"bool", "byte", "char", "float32", "float64", "float128"} | {
     f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
 }
+_STRINGS = {"string", "wstring"}
 _STAMPS = (
     ("header.stamp.sec", "header.stamp.nanosec"), ("header.stamp.sec", "header.stamp.nsec"),
     ("timestamp.seconds", "timestamp.nanos"), ("timestamp.sec", "timestamp.nsec"),
@@ -283,6 +284,24 @@ _asked_last: tuple[list[Connection], list[tuple[str, str, tuple[str, ...]]]] = (
 @lru_cache(maxsize=256)
 def _fields_of_type(type_: MessageType) -> tuple[str, ...]:
     return tuple(numeric_fields(type_.definitions, type_.name))
+
+
+@lru_cache(maxsize=256)
+def may_name_elements(type_: MessageType) -> bool:
+    """Return whether a message may name elements of its arrays: with strings in one. Of what is not of ROS any may."""
+    seen: set[str] = set()
+
+    def strings_in_arrays(part: str) -> bool:
+        seen.add(part)
+        for _, _, inner, array in _fields(type_.definitions, part):
+            own = [one for _, _, one, _ in _fields(type_.definitions, inner)] if inner in type_.definitions else [inner]
+            if array is not None and not _STRINGS.isdisjoint(own):
+                return True
+            if inner in type_.definitions and inner not in seen and strings_in_arrays(inner):
+                return True
+        return False
+
+    return not type_.store or strings_in_arrays(type_.name)
 
 
 def field_getter(definitions: Typesdict, type_: str, field: str) -> Callable[[Any], Any]:

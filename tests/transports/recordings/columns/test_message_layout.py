@@ -16,7 +16,8 @@ from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_
 from robophm.transports.recordings.columns.field_extraction import Elements, Numbers, Take
 from robophm.transports.recordings.columns.message_layout import NotCompilableError, compile_fields
 from robophm.transports.recordings.columns.single import Single
-from robophm.transports.signals.message_type import MessageType, field_getter
+from robophm.transports.signals.element_names import names_in
+from robophm.transports.signals.message_type import MessageType, field_getter, may_name_elements
 
 from .messages import INTEGERS, fields_of, message, numeric_types
 
@@ -250,3 +251,16 @@ def test_pairs_of_types_in_one_message() -> None:
                 read = store.deserialize_cdr(raw, type_.name)
                 for slot, field in enumerate(fields):
                     assert same(found(found_, slot, row), decoded(type_, field, read)), (one, other, field)
+
+
+def test_messages_of_types_without_strings_in_arrays_name_no_elements() -> None:
+    """Of all types: what is passed over where names are looked for has none in any message."""
+    chance = random.Random(1)
+    naming = set()
+    for store, packed, name in KINDS:
+        type_ = type_of(store, name, packed)
+        if any(names_in(message(store, chance, name)) for _ in range(4)):
+            naming.add(name)
+            assert may_name_elements(type_), name
+    assert naming >= {"sensor_msgs/msg/JointState", "diagnostic_msgs/msg/DiagnosticArray", "tf2_msgs/msg/TFMessage"}
+    assert not may_name_elements(type_of(CDR, "sensor_msgs/msg/BatteryState"))
