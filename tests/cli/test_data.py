@@ -73,6 +73,12 @@ def test_a_drive_in_many_files_is_one_entry(inside, tmp_path):
     found = document(inside("data", ".", "--json"))["recordings"]
     assert [len(one["topics"]) for one in found].count(2) == 1
     assert sum(topic["messages"] for one in found for topic in one["topics"]) == 4260
+    done = inside("data", "statistics", ".", "--signal", "/level.data")
+    assert done.stdout.endswith(
+        "Listed are the first 20 of 70; --together takes the recordings as one drive, --json has all\n"
+    )
+    assert done.stdout.count("Time at level") == 20
+    assert done.stderr == "warning: drive_0.mcap: receipt time used for /level (60 times, and 69 more like it)\n"
 
 
 def test_a_folder_is_listed(inside, bags):

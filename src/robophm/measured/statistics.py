@@ -216,7 +216,7 @@ def statistics_of(
     ``on_window`` is told of each window as it is over, ``advance`` how many recordings of how many are done.
     Raises RobophmError where there would be more windows than MOST_WINDOWS.
     """
-    found = Statistics()
+    found, every_note = Statistics(), Counter[str]()
     for done, one in enumerate(found_in):
         advance(done, len(found_in))
         looks = {sought.name: Look.new(levels) for sought in signals}
@@ -227,9 +227,11 @@ def statistics_of(
                 found.windows.append((one.name, sought, window))
             if on_window:
                 on_window(one.name, sought, window)
-        found.notes += said(notes, one.name if len(found_in) > 1 else "")
+        of = f"{one.name}: " if len(found_in) > 1 else ""
+        every_note.update({f"{of}{what}": count for what, count in notes.items()})
         for sought in signals:
             looks[sought.name].levels.finish()
             if looks[sought.name].whole.so_far:
                 found.seen.append(Seen(one.name, sought, looks[sought.name]))
+    found.notes = said(every_note)
     return found

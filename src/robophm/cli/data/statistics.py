@@ -39,6 +39,9 @@ from robophm.report.curve import sparkline
 from robophm.report.measured_page import level_rows, statistics_page
 from robophm.report.words import duration_text, moment_text, number_text
 
+MOST_SEEN = 20
+"""Signals, each of one recording, that are listed."""
+
 
 def command(
     bags: Bags,
@@ -91,17 +94,20 @@ def _print_seen(out: Console, seen: Sequence[Seen], *, several: bool) -> None:
     columns = (*(["recording"] if several else []), "signal", "from", "known", "samples", "lowest", "mean", "highest",
                "deviation", "course")  # fmt: skip
     rows = []
-    for one in seen:
+    for one in seen[:MOST_SEEN]:
         rows.append((*([one.recording] if several else []), one.signal.label, moment_text(one.whole.begin)[:19],
                      *_figures(one.whole), sparkline(one.look.series.means(20))))  # fmt: skip
     if rows:
         last = len(columns) - 1
         print_table(out, table("", columns, rows, figures=range(last - 6, last)))
-    for one in seen:
+    for one in seen[:MOST_SEEN]:
         shares = level_rows(one.look.levels, 0, one.signal.unit or "")
         if any(shares.values()):
             where = f" in {one.recording}" if several else ""
             print_levels(out, f"Time at level: {one.signal.name}{where}", shares)
+    if len(seen) > MOST_SEEN:
+        way = "--together takes the recordings as one drive, --json has all" if several else "--json has all"
+        out.print(f"Listed are the first {MOST_SEEN} of {len(seen):,}; {way}", markup=False)
 
 
 def _print_windows(
