@@ -18,6 +18,9 @@ from robophm.measured.overview import LOOKED_INTO, Overview, Topic, overview, pe
 from robophm.measured.recordings import recordings
 from robophm.report.words import duration_text, moment_text, number_text
 
+MOST_TOPICS = 1000
+"""Topics of a recording that are shown: a table of 60,000 takes more than a minute to lay out."""
+
 
 def command(
     bags: Bags,
@@ -48,7 +51,8 @@ def _print_overview(out: Console, one: Overview) -> None:
     none = "no message that can be read; what is wrong stands below" if one.notes else "no messages"
     span = f"{moment_text(begin)}, {duration_text((end - begin) / HOUR)}" if one.span else none
     rows = []
-    for topic in one.topics:
+    topics = one.topics[:MOST_TOPICS]
+    for topic in topics:
         rate, heard = per_second(topic), ["–", "–"]
         if topic.span:
             first, last = topic.span
@@ -65,12 +69,14 @@ def _print_overview(out: Console, one: Overview) -> None:
     print_table(out, table(f"{one.name}: {span}", columns, rows, figures=(1, 2, 3, 4)))
     out.print()
     fields = []
-    for topic in one.topics:
+    for topic in topics:
         names = [f"{name} [{unit}]" if unit else name for name, unit in topic.fields.items() if "header." not in name]
         some = " (and maybe others: some messages were looked into)" if topic.messages > LOOKED_INTO else ""
         names += [f"{field} of {', '.join(of)}{some}" for field, of in topic.names.items()]
         fields.append((topic.name, topic.type.replace("/msg/", "/") or "?", ", ".join(names) or _no_numbers(topic)))
     print_table(out, table("", ("topic", "type", "fields [unit]"), fields))
+    if more := len(one.topics) - len(topics):
+        out.print(f"and {more:,} more topic{'s' * (more > 1)}; all are in --json")
     out.print()
 
 
