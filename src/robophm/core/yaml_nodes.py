@@ -62,15 +62,20 @@ def compose(text: str) -> Any:
     try:
         return quick(text)
     except Unsure:
-        from ruamel.yaml import YAML
+        return bounded_reader("safe").compose(io.StringIO(text))
 
-        reader = YAML(typ="safe", pure=True)
-        reader.Composer = _bounded_composer()
-        return reader.compose(io.StringIO(text))
+
+def bounded_reader(typ: str) -> Any:
+    """The reader of ruamel.yaml of this type, as it is but that it raises TooManyNodesError beyond MAX_SLOW_NODES."""
+    from ruamel.yaml import YAML
+
+    reader = YAML(typ=typ, pure=True)
+    reader.Composer = _bounded_composer()
+    return reader
 
 
 class TooManyNodesError(Exception):
-    """Raised for a text of too many values; ``line`` is where they become too many, from 0."""
+    """Raised for a text of too many keys and values; ``line`` is where they become too many, from 0."""
 
     def __init__(self, line: int) -> None:
         super().__init__(line)
