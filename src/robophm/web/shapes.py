@@ -29,7 +29,6 @@ def _bounded(value: Any) -> Any:
     return value
 
 
-
 class Shape(BaseModel):
     """Nothing beside what is named; no number is infinite or none."""
 
