@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic_core import PydanticCustomError
 
 Name = Annotated[str, Field(min_length=1, max_length=200)]
 Place = Annotated[list[Annotated[str, Field(max_length=300)]], Field(max_length=100)]
@@ -24,7 +25,8 @@ def _bounded(value: Any) -> Any:
         inner = one.values() if isinstance(one, dict) else one if isinstance(one, list) else ()
         count += len(inner)
         if count > MOST_VALUES or (inner and level == MOST_LEVELS):
-            raise ValueError(f"expected at most {MOST_VALUES:,} values, nested at most {MOST_LEVELS} deep")
+            says = f"expected at most {MOST_VALUES:,} values, nested at most {MOST_LEVELS} deep"
+            raise PydanticCustomError("bounds", "{says}", {"says": says})
         waiting += ((each, level + 1) for each in inner)
     return value
 
