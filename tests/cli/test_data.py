@@ -93,6 +93,16 @@ def test_a_folder_is_listed(inside, bags):
     assert (level["messages"], level["interval"], level["gap_count"]) == (20, SECOND, 19)
 
 
+def test_of_very_many_topics_the_first_are_shown(inside, bags, monkeypatch):
+    listed = document(inside("data", "list", "bags", "--json"))["recordings"]
+    names = [topic["name"] for one in listed for topic in one["topics"]]
+    monkeypatch.setattr("robophm.cli.data.list.MOST_TOPICS", 1)
+    shown = inside("data", "bags").stdout
+    assert f"and {len(listed[0]['topics']) - 1} more topics; all are in --json" in shown
+    assert {name for name in names if f"{name} " in shown} == {one["topics"][0]["name"] for one in listed}
+    assert document(inside("data", "list", "bags", "--json"))["recordings"] == listed
+
+
 def test_finds_name_the_recording_and_the_time(inside, bags):
     done = inside("data", "find", "bags", "--signal", "/level.data", "--above", "7.5", "--for", "1 s")
     assert "bags/other.bag" in done.stdout

@@ -154,3 +154,17 @@ def test_ruamel_keeps_the_last_word():
     with pytest.raises(YAMLError):
         nodes.compose("a: [\n")
     assert nodes.compose("# nothing\n") is None
+
+
+def test_what_is_read_slowly_is_bounded(monkeypatch):
+    """A gigabyte and minutes are what a 3 MB text takes that libyaml leaves to ruamel.yaml."""
+    monkeypatch.setattr(nodes, "MAX_SLOW_NODES", 100)
+    many = f"b: [{', '.join(['1'] * 101)}]\n"
+    assert len(yaml_values.values(many, "plain.yaml")[0]["b"]) == 101
+    with pytest.raises(DesignError, match=r"^slow\.yaml:2: has more than .* keys and values up to here"):
+        yaml_values.values(f"a: &a 1\n{many}", "slow.yaml")
+
+
+@pytest.mark.parametrize("digits", ["0x" + "f" * 5000, "0o" + "7" * 5000, "9" * 5000])
+def test_a_number_that_cannot_be_written_again_is_a_text(digits):
+    assert yaml_values.values(f"a: {digits}\n", "design")[0] == {"a": digits}

@@ -182,3 +182,9 @@ def test_what_unfolds_without_end(design):
         design("components: {a: {rate: 1 /h}}\ndiagram: " + "{series: [" * 60 + "a" + "]}" * 60)
     with pytest.raises(DesignError, match="nested too deeply"):
         design("components: {a: {rate: 1 /h}}\ndiagram: " + "[" * 1_000)
+
+
+def test_a_text_of_too_many_values_is_not_read_to_its_end(design, monkeypatch):
+    monkeypatch.setattr("robophm.core.yaml_nodes.MAX_SLOW_NODES", 100)
+    with pytest.raises(DesignError, match=r":\d+: has more than .* keys and values$"):
+        design(f"components: {{a: {{rate: 1 FPMH}}}}\ntags: [{', '.join(['1'] * 101)}]\n")

@@ -76,6 +76,17 @@ def test_malformed_bodies_are_refused_in_words(shared_small):
         assert answer.json()["message"]
 
 
+@pytest.mark.parametrize("value", ["[" + "[]," * 100_000 + "1]", "[" * 60 + "]" * 60, '{"a":' * 60 + "1" + "}" * 60])
+def test_a_value_beyond_the_bounds_is_not_put_into_the_design(shared_small, value):
+    """Seven million lists kept everybody waiting for a minute; deep ones left a design that nobody could read."""
+    before = shared_small.get("/api/design")
+    body = f'{{"revision":{before["revision"]},"operations":[{{"op":"put","path":["x"],"value":{value}}}]}}'
+    answer = shared_small.client.post("/api/design/edits", content=body, headers={"content-type": "application/json"})
+    assert answer.status_code == 422
+    assert answer.json()["message"].endswith("value: expected at most 100,000 values, nested at most 50 deep")
+    assert shared_small.get("/api/design")["revision"] == before["revision"]
+
+
 OUT = (
     "/../../etc/passwd",
     "/assets/../../../etc/passwd",

@@ -1,4 +1,4 @@
-"""XML from outside, read within bounds: no entities, nothing fetched, every element with its line."""
+"""XML from outside, read within bounds: nothing is declared or fetched, every element with its line."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ MAX_DEPTH = 100
 """The deepest nesting of elements."""
 
 MAX_ELEMENTS = 2_000_000
+"""The most elements and attributes together."""
 
 
 @dataclass(frozen=True)
@@ -70,8 +71,8 @@ class Markup:
         return DesignError(f"{self.name}:{line}: {message}")
 
     def root(self) -> Element:
-        """Return the outermost element. Raises DesignError for what is no XML, declares entities, or exceeds the
-        bounds."""
+        """Return the outermost element. Raises DesignError for what is no XML, declares entities or attributes, or
+        exceeds the bounds."""
         parser = expat.ParserCreate()
         outermost: list[Element] = []
         stack: list[Element] = []
@@ -79,10 +80,10 @@ class Markup:
 
         def start(tag: str, attributes: dict[str, str]) -> None:
             nonlocal count
-            count += 1
+            count += 1 + len(attributes)
             line = parser.CurrentLineNumber
             if count > MAX_ELEMENTS:
-                raise self.fault(line, f"more than {MAX_ELEMENTS:,} elements")
+                raise self.fault(line, f"more than {MAX_ELEMENTS:,} elements and attributes")
             if len(stack) >= MAX_DEPTH:
                 raise self.fault(line, f"is nested too deeply; expected at most {MAX_DEPTH} levels")
             element = Element(tag, attributes, line)
@@ -92,10 +93,14 @@ class Markup:
         def entity(*declaration: object) -> None:
             raise self.fault(parser.CurrentLineNumber, f"declares the entity '{declaration[0]}'; none is taken")
 
+        def default(tag: str, *_: object) -> None:  # each element of that name would have a copy of its own
+            raise self.fault(parser.CurrentLineNumber, f"declares attributes of '{tag}'; none are taken")
+
         parser.StartElementHandler = start
         parser.EndElementHandler = lambda _tag: stack.pop()
         parser.CharacterDataHandler = lambda text: stack[-1].text.append(text)
         parser.EntityDeclHandler = entity
+        parser.AttlistDeclHandler = default
         try:
             parser.Parse(self._text, True)
         except expat.ExpatError as error:

@@ -17,6 +17,9 @@ from typing import Any
 MAX_VALUES = 1_000_000
 """The most values of a file with its aliases followed: a small file can otherwise unfold to billions."""
 
+MAX_SLOW_NODES = 200_000
+"""The most keys and values of a text that ruamel.yaml alone can read: each takes it 25 µs and a kilobyte."""
+
 MAX_DEPTH = 100
 
 
@@ -52,13 +55,50 @@ def uncollected() -> Iterator[None]:
 
 @uncollected()
 def compose(text: str) -> Any:
-    """The root node of a text, None where it is empty. Raises ruamel.yaml's YAMLError, ValueError, RecursionError."""
+    """The root node of a text, None where it is empty.
+
+    Raises ruamel.yaml's YAMLError, ValueError, RecursionError; TooManyNodesError beyond MAX_SLOW_NODES.
+    """
     try:
         return quick(text)
     except Unsure:
-        from ruamel.yaml import YAML
+        return bounded_reader("safe").compose(io.StringIO(text))
 
-        return YAML(typ="safe", pure=True).compose(io.StringIO(text))
+
+def bounded_reader(typ: str) -> Any:
+    """The reader of ruamel.yaml of this type, as it is but that it raises TooManyNodesError beyond MAX_SLOW_NODES."""
+    from ruamel.yaml import YAML
+
+    reader = YAML(typ=typ, pure=True)
+    reader.Composer = _bounded_composer()
+    return reader
+
+
+class TooManyNodesError(Exception):
+    """Raised for a text of too many keys and values; ``line`` is where they become too many, from 0."""
+
+    def __init__(self, line: int) -> None:
+        super().__init__(line)
+        self.line = line
+
+
+@cache
+def _bounded_composer() -> Any:
+    """The composer of ruamel.yaml, which has no bound, with one."""
+    from ruamel.yaml.composer import Composer
+
+    class BoundedComposer(Composer):
+        def __init__(self, loader: Any = None) -> None:
+            super().__init__(loader)
+            self._count = 0
+
+        def compose_node(self, parent: Any, index: Any) -> Any:
+            self._count += 1
+            if self._count > MAX_SLOW_NODES:
+                raise TooManyNodesError(self.parser.peek_event().start_mark.line)
+            return super().compose_node(parent, index)
+
+    return BoundedComposer
 
 
 class Unsure(Exception):  # noqa: N818  no error: ruamel.yaml has the last word

@@ -6,13 +6,16 @@ import re
 from typing import Any
 
 from robophm.core.errors import DesignError
-from robophm.core.yaml_nodes import MAX_DEPTH, MAX_VALUES, compose, uncollected
+from robophm.core.yaml_nodes import MAX_DEPTH, MAX_SLOW_NODES, MAX_VALUES, TooManyNodesError, compose, uncollected
 
 MAX_BYTES = 20_000_000
 """A larger file is refused before it is parsed; so is one that is larger when its aliases are written out.
 
 Each value then has a line of its own, two spaces in for each level: what is kept of its place takes as much.
 """
+
+_MOST_DIGITS = 1000
+"""A longer whole number is a text: Python writes none of more than 4,300 digits, hexadecimal ones read or not."""
 
 _HALF = re.compile("[\ud800-\udfff]")
 
@@ -31,6 +34,11 @@ def values(text: str, name: str) -> tuple[Any, Lines]:
         raise DesignError(f"{name}:{line + 1}: is not YAML: {error.problem}, in column {column + 1}") from None
     except (YAMLError, ValueError) as error:
         raise DesignError(f"{name}: is not YAML: {str(error).splitlines()[0]}") from None
+    except TooManyNodesError as error:
+        raise DesignError(
+            f"{name}:{error.line + 1}: has more than {MAX_SLOW_NODES:,} keys and values up to here; expected fewer, or "
+            "a text without anchors, tags, tabs and faults"
+        ) from None
     except RecursionError:
         raise DesignError(f"{name}: is nested too deeply; expected at most {MAX_DEPTH} levels") from None
     reader = _Reader(name)
@@ -79,7 +87,7 @@ class _Reader:
                 return None
             if kind == "bool":
                 return node.value.lower() in ("true", "yes", "on")
-            if kind == "int":
+            if kind == "int" and len(node.value) <= _MOST_DIGITS:
                 return int(node.value.replace("_", ""), 0)
             if kind == "float":
                 return float(node.value.replace("_", "").lower().replace(".inf", "inf").replace(".nan", "nan"))

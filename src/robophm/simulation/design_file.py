@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from robophm.core.errors import DesignError, RobophmError, nearest
+from robophm.core.yaml_nodes import MAX_SLOW_NODES, TooManyNodesError, bounded_reader
 from robophm.simulation.design import CLOCKS, INPUTS, Design, Mode, Signal, Stress
 from robophm.simulation.design_keys import (
     FIGURES,
@@ -53,7 +54,6 @@ Library = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 
 def read_design(path: Path, library: Library | None = None) -> Design:
     """Read a robot's design. Raises DesignError, one line with file and line, for what is wrong or not simulated."""
-    from ruamel.yaml import YAML
     from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
     try:
@@ -67,10 +67,12 @@ def read_design(path: Path, library: Library | None = None) -> Design:
     if len(content) > MAX_BYTES:
         raise DesignError(f"{path}: is more than {MAX_BYTES / 1e6:.0f} MB")
     try:
-        data = YAML(typ="rt", pure=True).load(io.StringIO(text))
+        data = bounded_reader("rt").load(io.StringIO(text))
     except MarkedYAMLError as error:
         line = error.problem_mark.line + 1 if error.problem_mark else 1
         raise DesignError(f"{path}:{line}: is not YAML: {error.problem}") from None
+    except TooManyNodesError as error:
+        raise DesignError(f"{path}:{error.line + 1}: has more than {MAX_SLOW_NODES:,} keys and values") from None
     except RecursionError:
         raise DesignError(f"{path}: is nested too deeply; expected at most {MAX_DEPTH} levels") from None
     except (YAMLError, ValueError) as error:

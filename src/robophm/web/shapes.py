@@ -4,13 +4,31 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic_core import PydanticCustomError
 
 Name = Annotated[str, Field(min_length=1, max_length=200)]
 Place = Annotated[list[Annotated[str, Field(max_length=300)]], Field(max_length=100)]
 """Keys from the top of the design file down."""
 
 Unit = Literal["1/h", "FIT", "FPMH"]
+
+MOST_VALUES, MOST_LEVELS = 100_000, 50
+"""Bounds of a value that is put into the design: millions would keep everybody waiting for minutes."""
+
+
+def _bounded(value: Any) -> Any:
+    """The same value, where it is within the bounds."""
+    count, waiting = 1, [(value, 1)]
+    while waiting:
+        one, level = waiting.pop()
+        inner = one.values() if isinstance(one, dict) else one if isinstance(one, list) else ()
+        count += len(inner)
+        if count > MOST_VALUES or (inner and level == MOST_LEVELS):
+            says = f"expected at most {MOST_VALUES:,} values, nested at most {MOST_LEVELS} deep"
+            raise PydanticCustomError("bounds", "{says}", {"says": says})
+        waiting += ((each, level + 1) for each in inner)
+    return value
 
 
 class Shape(BaseModel):
@@ -126,7 +144,7 @@ class Put(Shape):
 
     op: Literal["put"]
     path: Place
-    value: Any
+    value: Annotated[Any, AfterValidator(_bounded)]
 
 
 class PutText(Shape):

@@ -135,3 +135,19 @@ def test_a_page_whose_service_ends_says_so_and_comes_back(tmp_path, visit):
         page.get_by_role("heading", name="express").wait_for()
     page.get_by_text("The service does not answer.").wait_for()
     look.wrong.clear()  # the browser reports that it could not connect
+
+
+def test_a_table_taken_along_holds_no_formula(tmp_path, visit):
+    """Names that a spreadsheet would compute are told to be text, numbers are not."""
+    design = tmp_path / "robot.yaml"
+    design.write_text(
+        "schema_version: 1\nname: robot\ncomponents:\n"
+        + "".join(f"  '{name}': {{rate: 8 FPMH}}\n" for name in ("=1+1", "+a", "-a", "@a", "-5", "a=1"))
+    )
+    with serving(design) as served:
+        page = visit(served).open("parts")
+        with page.expect_download() as download:
+            page.get_by_role("button", name="Parts as CSV").click()
+    rows = download.value.path().read_text().splitlines()[1:]
+    assert sorted(row.split(",")[0] for row in rows) == ["'+a", "'-a", "'=1+1", "'@a", "-5", "a=1"]
+    assert {float(row.split(",")[3]) for row in rows} == {8e-6}

@@ -12,10 +12,10 @@ export function offer(name: string, type: string, content: string | Blob): void 
   setTimeout(() => URL.revokeObjectURL(url), 10000);
 }
 
-/** Text that a spreadsheet would take for a formula is told to be text. */
-function cell(said: string): string {
-  const text = /^[=+\-@\t\r]/.test(said) ? `'${said}` : said;
-  return /[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+/** Text that a spreadsheet would take for a formula is told to be text; numbers stay numbers. */
+export function cell(said: string): string {
+  const text = /^[=+\-@\t\r]/.test(said) && !Number.isFinite(Number(said)) ? `'${said}` : said;
+  return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 }
 
 /** A row for each x that any curve has, a moment by its date; an empty cell where a curve has none. */

@@ -19,6 +19,9 @@ from robophm.measured.recordings import recordings
 from robophm.measured.splits import NAMING, Splits, splits_of
 from robophm.report.words import duration_text, moment_text, number_text
 
+MOST_TOPICS = 1000
+"""Topics of a recording that are shown: a table of 60,000 takes more than a minute to lay out."""
+
 
 def command(
     bags: Bags,
@@ -52,7 +55,8 @@ def _print_splits(out: Console, some: Splits) -> None:
     span = f"{moment_text(begin)}, {duration_text((end - begin) / HOUR)}" if one.span else none
     partly = any(count < len(some.files) for count in some.with_topic.values())
     rows = []
-    for topic in one.topics:
+    topics = one.topics[:MOST_TOPICS]
+    for topic in topics:
         rate, heard = per_second(topic), ["–", "–"]
         if topic.span:
             first, last = topic.span
@@ -70,13 +74,15 @@ def _print_splits(out: Console, some: Splits) -> None:
     print_table(out, table(f"{one.name}: {span}", columns, rows, figures=range(1, len(columns) - 1)))
     out.print()
     fields = []
-    for topic in one.topics:
+    for topic in topics:
         names = [f"{name} [{unit}]" if unit else name for name, unit in topic.fields.items() if "header." not in name]
         few = topic.messages > LOOKED_INTO or len(some.files) > NAMING
         more = " (and maybe others: some messages were looked into)" if few else ""
         names += [f"{field} of {', '.join(of)}{more}" for field, of in topic.names.items()]
         fields.append((topic.name, topic.type.replace("/msg/", "/") or "?", ", ".join(names) or _no_numbers(topic)))
     print_table(out, table("", ("topic", "type", "fields [unit]"), fields))
+    if more := len(one.topics) - len(topics):
+        out.print(f"and {more:,} more topic{'s' * (more > 1)}; all are in --json")
     out.print()
 
 

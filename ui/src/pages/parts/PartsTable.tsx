@@ -1,6 +1,6 @@
 import { type ReactNode, useMemo, useState } from "react";
 import type { Operation } from "../../lib/api";
-import { offer } from "../../lib/exports";
+import { cell, offer } from "../../lib/exports";
 import { edit, go, useDesign, useUnit } from "../../lib/store";
 import { everyPart, findPart, freeName, insteadOfRate, isValues, type Part, treeOf } from "../../lib/tree";
 import { marked, rateText } from "../../lib/words";
@@ -91,7 +91,6 @@ function source(part: Part): string {
 }
 
 function csv(parts: Part[], levels: Record<string, { hazard_rate: number | null }>, unknown: Record<string, unknown>): string {
-  const cell = (text: string): string => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
   const rows = parts.map((part) => [part.path, String(part.values.quantity ?? 1), String(part.values.rate ?? stated(part) ?? ""), unknown[part.path] ? "unknown" : String(levels[part.path]?.hazard_rate ?? ""), source(part)]);
   return [["part", "quantity", "rate of one", "hazard rate of all when new [1/h]", "source"], ...rows].map((row) => row.map(cell).join(",")).join("\n") + "\n";
 }
