@@ -34,6 +34,8 @@ class Problem(Shape):
     place: list[str]
     message: str
     line: int | None
+    column: int | None
+    """Where in the line the text stops to be YAML, from 1 on."""
 
 
 class PastOfPart(Shape):
@@ -237,6 +239,18 @@ class WholeText(OfRevision):
 
     text: Annotated[str, Field(max_length=20_000_000)]
     what: Annotated[str, Field(max_length=200)] = "replace the design"
+
+
+class TextToCheck(Shape):
+    """The text of a whole design that is being written."""
+
+    text: Annotated[str, Field(max_length=20_000_000)]
+
+
+class Problems(Shape):
+    """What is wrong or odd in a text."""
+
+    problems: list[Problem]
 
 
 class DesignText(Shape):
