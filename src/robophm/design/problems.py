@@ -27,7 +27,7 @@ class Problem:
     message: str
     line: int | None
     column: int | None = None
-    """Where in the line a text stops to be YAML, from 1 on."""
+    """The column of the line, from 1 on, at which the text is no YAML any more, where that is what is wrong."""
 
 
 @dataclass(frozen=True)

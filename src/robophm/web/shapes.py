@@ -35,7 +35,7 @@ class Problem(Shape):
     message: str
     line: int | None
     column: int | None
-    """Where in the line the text stops to be YAML, from 1 on."""
+    """The column of the line, from 1 on, at which the text is no YAML any more, where that is what is wrong."""
 
 
 class PastOfPart(Shape):
@@ -248,7 +248,7 @@ class TextToCheck(Shape):
 
 
 class Problems(Shape):
-    """What is wrong or odd in a text."""
+    """The errors and warnings about a text."""
 
     problems: list[Problem]
 

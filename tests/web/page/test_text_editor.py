@@ -89,7 +89,11 @@ def test_what_others_edit_is_taken_in_and_asked_about_where_it_touches_what_is_w
     text.get_by_text("messenger").wait_for()
     page.get_by_role("button", name="Apply").click()
     page.get_by_role("status").get_by_text("As the design is").wait_for()
-    for before, after in (("courier\n", "messenger\n"), ("2 FPMH}", "5 FPMH}"), ("90 FPMH}", "90 FPMH}   # seen at night")):
+    for before, after in (
+        ("courier\n", "messenger\n"),
+        ("2 FPMH}", "5 FPMH}"),
+        ("90 FPMH}", "90 FPMH}   # seen at night"),
+    ):
         all_three = all_three.replace(before, after)
     assert courier.get("/api/design/text")["text"] == all_three
 
