@@ -67,10 +67,13 @@ def test_keys_and_values_are_offered_problems_stand_at_their_line_and_comments_a
     assert courier.design.read_text() == SMALL + added
     page.locator(".box", has_text="motor").first.wait_for()
 
-    page.keyboard.type("9")
+    page.keyboard.press("Control+a")
+    page.keyboard.type("all")  # over what is selected, without a style of the browser's own
+    assert text.inner_text() == "all"
     page.keyboard.press("Control+z")  # of the editor, not of the design
     page.get_by_role("status").get_by_text("As the design is").wait_for()
     assert "lamp" in text.inner_text()
+    page.keyboard.press("Control+Home")
     page.keyboard.press("Escape")
     page.keyboard.press("Tab")
     assert page.evaluate("document.activeElement.shadowRoot") is None

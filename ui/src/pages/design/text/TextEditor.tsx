@@ -15,6 +15,18 @@ import { look } from "./look";
 import { positionOf } from "./place";
 import { type Node, Schema } from "./schema";
 
+/** Typing over a selection: the browser would keep the look of what was there by an inline style, which the service's policy refuses. */
+const typedOver = EditorView.domEventHandlers({
+  beforeinput(event, view) {
+    const { from, to, empty } = view.state.selection.main;
+    const text = event.data;
+    if (event.inputType !== "insertText" || !text || empty || view.composing) return false;
+    const insert = () => view.state.update(view.state.replaceSelection(text), { userEvent: "input.type", scrollIntoView: true });
+    if (!view.state.facet(EditorView.inputHandler).some((handled) => handled(view, from, to, text, insert))) view.dispatch(insert());
+    return true;
+  },
+});
+
 const usual = (schema: Schema): Extension[] => [
   lintGutter(),
   lineNumbers(),
@@ -29,6 +41,7 @@ const usual = (schema: Schema): Extension[] => [
   autocompletion({ override: [completion(schema)] }),
   explained(schema),
   checked,
+  typedOver,
   yaml(),
   look,
   EditorView.contentAttributes.of({ "aria-label": "The design file (YAML)", spellcheck: "false" }),
