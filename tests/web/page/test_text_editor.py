@@ -55,6 +55,11 @@ def test_keys_and_values_are_offered_problems_stand_at_their_line_and_comments_a
     page.locator(".cm-lintRange-error").hover()
     page.locator(".cm-diagnostic", has_text="unknown unit 'FPMHH'").wait_for()
     assert look.serious() == []
+    page.set_viewport_size({"width": 390, "height": 500})  # so that the text scrolls
+    page.locator(".drawing").wait_for(state="hidden")
+    assert look.serious() == []
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
+    page.set_viewport_size({"width": 1400, "height": 900})
 
     page.keyboard.press("Backspace")
     page.locator(".cm-lintRange-error").wait_for(state="detached")

@@ -44,7 +44,7 @@ const usual = (schema: Schema): Extension[] => [
   typedOver,
   yaml(),
   look,
-  EditorView.contentAttributes.of({ "aria-label": "The design file (YAML)", spellcheck: "false" }),
+  EditorView.contentAttributes.of({ "aria-label": "The design file (YAML)", spellcheck: "false", tabindex: "0" }),
   keymap.of([...closeBracketsKeymap, ...defaultKeymap, ...searchKeymap, ...historyKeymap, ...foldKeymap, ...completionKeymap, ...lintKeymap, indentWithTab]),
 ];
 
