@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -25,6 +26,8 @@ class Problem:
     place: Path
     message: str
     line: int | None
+    column: int | None = None
+    """The column of the line, from 1 on, at which the text is no YAML any more, where that is what is wrong."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +54,9 @@ def check(text: str) -> CheckResult:
         document, lines = mapping(text, "design", "design")
     except DesignError as error:
         line = str(error).removeprefix("design:").partition(":")[0]
-        return CheckResult({}, None, (Problem("error", (), _said(str(error)), int(line) if line.isdigit() else None),))
+        column = re.search(r", in column (\d+)$", str(error))
+        at = int(line) if line.isdigit() else None, int(column[1]) if column else None
+        return CheckResult({}, None, (Problem("error", (), _said(str(error)), *at),))
     robot, wrong = built(document, lines)
     odd = _odd(robot, lines) if robot else ()
     return CheckResult(document, robot, tuple([*wrong, *odd][:MOST_PROBLEMS]), lines)

@@ -243,7 +243,10 @@ class Service:
 
 def told(problems: Iterable[Found]) -> list[Problem]:
     """Return problems as they go over the wire."""
-    return [Problem(level=one.level, place=list(one.place), message=one.message, line=one.line) for one in problems]
+    return [
+        Problem(level=one.level, place=list(one.place), message=one.message, line=one.line, column=one.column)
+        for one in problems
+    ]
 
 
 def json_values(value: object) -> dict[str, object]:

@@ -52,6 +52,8 @@ class Problem(Shape):
     place: list[str]
     message: str
     line: int | None
+    column: int | None
+    """The column of the line, from 1 on, at which the text is no YAML any more, where that is what is wrong."""
 
 
 class PastOfPart(Shape):
@@ -255,6 +257,18 @@ class WholeText(OfRevision):
 
     text: Annotated[str, Field(max_length=20_000_000)]
     what: Annotated[str, Field(max_length=200)] = "replace the design"
+
+
+class TextToCheck(Shape):
+    """The text of a whole design that is being written."""
+
+    text: Annotated[str, Field(max_length=20_000_000)]
+
+
+class Problems(Shape):
+    """The errors and warnings about a text."""
+
+    problems: list[Problem]
 
 
 class DesignText(Shape):

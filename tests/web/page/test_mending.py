@@ -78,17 +78,20 @@ def test_yaml_that_is_broken_at_the_start_is_mended_on_the_page(visit, tmp_path)
     with serving(design) as courier:
         (problem,) = courier.get("/api/design")["problems"]
         assert problem["line"] == 11
-        assert "column" in problem["message"]
+        assert problem["message"].endswith(f"in column {problem['column']}")
         look = visit(courier)
         page = look.open("design")
         page.get_by_role("button", name="Problems of the design: 1 to mend").click()
         page.get_by_role("dialog").get_by_role("cell", name="11", exact=True).wait_for()
         page.get_by_role("button", name="Close").click()
         page.get_by_role("button", name="Edit as text").click()
-        text = page.get_by_label("As in the design file (YAML)")
-        text.wait_for()
-        assert "encoder: {rate: 2 FPMH\n" in text.input_value()
-        text.fill(SMALL)
-        page.get_by_role("button", name="Take this").click()
+        text = page.get_by_role("textbox", name="The design file (YAML)")
+        text.get_by_text("encoder").wait_for()
+        assert "encoder: {rate: 2 FPMH\n" in text.inner_text()
+        text.locator(".cm-line", has_text="encoder").click()
+        page.keyboard.press("End")
+        page.keyboard.type("}")
+        page.get_by_role("button", name="Apply").click()
         page.get_by_role("button", name="Problems of the design: No problems").wait_for()
         assert courier.get("/api/design")["valid"] is True
+        assert courier.get("/api/design/text")["text"] == SMALL

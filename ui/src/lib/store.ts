@@ -220,10 +220,11 @@ function offerUndo(what: string): void {
   if (latest) say(what, "plain", { label: "Undo", run: () => void undo(latest) });
 }
 
-export function replaceText(text: string, what: string): Promise<boolean> {
+/** ``of``: the revision whose text was edited, where that may not be the latest any more; ``retry``: how to go on then. */
+export function replaceText(text: string, what: string, of?: number, retry = (): void => void replaceText(text, what)): Promise<boolean> {
   return write(
-    (revision) => put("/api/design/text", { revision, text, what }),
-    () => void replaceText(text, what),
+    (revision) => put("/api/design/text", { revision: of ?? revision, text, what }),
+    retry,
     (before, now) => made(before, now, what),
   );
 }

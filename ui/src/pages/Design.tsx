@@ -1,4 +1,4 @@
-import { type ReactNode, useCallback, useEffect, useMemo, useState } from "react";
+import { lazy, type ReactNode, Suspense, useCallback, useEffect, useMemo, useState } from "react";
 import { editWithUndo, edit, go, route, say, useDesign, useShared } from "../lib/store";
 import type { Operation } from "../lib/api";
 import { findPart, freeName, levelOf, levelPlace, type Part, treeOf } from "../lib/tree";
@@ -12,6 +12,8 @@ import { RenameDialog } from "./design/RenameDialog";
 import { Tree } from "./design/Tree";
 import "./design/design.css";
 
+const TextEditor = lazy(() => import("./design/text/TextEditor"));
+
 export const page = { name: "Design", icon: ICONS.diagram, order: 20, flush: true };
 
 /** Tree, canvas, inspector. What is chosen in one is chosen in all; "" is the robot. */
@@ -21,6 +23,7 @@ export default function Design(): ReactNode {
   const [chosen, setChosen] = useState<string[]>([rest]);
   const [level, setLevel] = useState("");
   const [dialog, setDialog] = useState<"" | "group" | "rename" | "move">("");
+  const [asText, setAsText] = useState(false);
   const tree = useMemo(() => design && treeOf(design), [design]);
 
   const choose = useCallback((paths: string[]) => setChosen(paths.length ? paths : [""]), []);
@@ -98,7 +101,7 @@ export default function Design(): ReactNode {
   }
 
   return (
-    <div className="design" onKeyDown={keys}>
+    <div className={asText ? "design as-text" : "design"} onKeyDown={keys}>
       <section className="side" aria-label="Parts of the robot">
         <div className="row tools">
           <button onClick={() => part && void add("module", part)}>Add module</button>
@@ -140,15 +143,23 @@ export default function Design(): ReactNode {
         </div>
         <Canvas level={shownLevel} chosen={chosen} choose={choose} open={setLevel} />
       </section>
-      <section className="side right" aria-label="Inspector">
-        {part ? (
-          <Inspector key={part.path} part={part} several={parts.length} design={design} />
-        ) : gone ? null : (
-          <div className="trouble">
-            There is no part {first}. <button onClick={() => go("design")}>To the robot</button>
-          </div>
-        )}
-      </section>
+      {asText ? (
+        <section className="side right" aria-label="The design as text">
+          <Suspense fallback={<p className="quiet">Loading the editor…</p>}>
+            <TextEditor place={part?.place ?? []} close={() => setAsText(false)} />
+          </Suspense>
+        </section>
+      ) : (
+        <section className="side right" aria-label="Inspector">
+          {part ? (
+            <Inspector key={part.path} part={part} several={parts.length} design={design} editText={() => setAsText(true)} />
+          ) : gone ? null : (
+            <div className="trouble">
+              There is no part {first}. <button onClick={() => go("design")}>To the robot</button>
+            </div>
+          )}
+        </section>
+      )}
       {dialog === "group" && <GroupDialog members={parts} level={levelOf(parts[0]!.path)} close={() => setDialog("")} />}
       {dialog === "move" && parts.length > 0 && <MoveDialog parts={parts} close={() => setDialog("")} moved={moved} />}
       {dialog === "rename" && parts[0] && (

@@ -72,6 +72,9 @@ export default function Settings(): ReactNode {
           <p>
             This page talks only to its own service at {location.host}; nothing is loaded from elsewhere. The design file is {design.file}, its edits (for undo) lie beside it in {design.file}.edits.
           </p>
+          <p>
+            It is built of the work of others, under <a href="./licenses.md">their licences</a>.
+          </p>
         </section>
       </div>
     </>

@@ -12,9 +12,11 @@ from robophm.core.yaml_values import values
 from robophm.design import editing, identity_edits
 from robophm.design.identity_edits import NOTHING, Lived, place_at
 from robophm.design.located_error import LocatedError
+from robophm.design.problems import check
+from robophm.design.schema import json_schema
 from robophm.web.access.roles import needs
 from robophm.web.drawing import drawing
-from robophm.web.service import Served
+from robophm.web.service import Served, told
 from robophm.web.shapes import (
     Delete,
     DesignState,
@@ -32,11 +34,13 @@ from robophm.web.shapes import (
     PastOfPart,
     PastState,
     PlaceParts,
+    Problems,
     Put,
     PutText,
     Rename,
     SaveAsked,
     Stale,
+    TextToCheck,
     Trouble,
     Ungroup,
     Unit,
@@ -136,6 +140,19 @@ def get_text(service: Served) -> DesignText:
 def put_text(asked: WholeText, service: Served) -> DesignState:
     """Put a whole text in place of the design; that is undone as any edit."""
     return service.design_state(service.workspace.replace(asked.revision, asked.text, asked.what))
+
+
+@router.post("/check")
+@needs("viewer")
+def check_text(asked: TextToCheck) -> Problems:
+    """Tell what is wrong or odd in the text of a design; the design stays as it is."""
+    return Problems(problems=told(check(asked.text).problems))
+
+
+@router.get("/schema")
+def get_schema() -> dict[str, Any]:
+    """The JSON Schema of the design file, by which an editor completes and explains its keys."""
+    return json_schema()
 
 
 @router.get("/download", response_class=PlainTextResponse)

@@ -5,12 +5,11 @@ import { change, isValues, type Part } from "../../lib/tree";
 import { durationText, marked, rateText } from "../../lib/words";
 import { Check, Entry, Select } from "../../parts/Field";
 import { ProblemsHere } from "../../parts/Problems";
-import { AsText } from "./AsText";
 import { Life } from "./Life";
 import { RateOf } from "./RateOf";
 
 /** All that can be said of one part, a module or the robot. */
-export function Inspector({ part, several, design }: { part: Part; several: number; design: DesignState }): ReactNode {
+export function Inspector({ part, several, design, editText }: { part: Part; several: number; design: DesignState; editText: () => void }): ReactNode {
   const unit = useUnit();
   const figures = design.levels[part.path];
   const problems = design.problems.filter((one) => part.place.every((key, i) => one.place[i] === key) && one.place.length >= part.place.length);
@@ -47,7 +46,9 @@ export function Inspector({ part, several, design }: { part: Part; several: numb
       {part.kind === "component" ? <OfComponent part={part} put={put} /> : <OfLevel part={part} put={put} />}
       <h3 style={{ marginTop: 12 }}>Sensors bound here</h3>
       <Bound part={part} />
-      <AsText part={part} />
+      <p>
+        <button onClick={editText}>Edit as text…</button>
+      </p>
     </>
   );
 }
