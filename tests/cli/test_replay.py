@@ -229,7 +229,7 @@ def test_a_store_is_opened_by_its_kind_and_place(inside, design, recording, tmp_
     assert again["clocks"] == health["clocks"]
     assert json.loads(inside("predict", design, *store, "--json").stdout)["clocks"] == health["clocks"]
     served = inside("service", design, "Power/Battery Control Board/Thermistor", *store, "--replaced")
-    assert served.returncode == OK
+    assert served.returncode == OK, served.stderr
     assert inside("report", design, *store, "--to", "page.html").returncode == OK
     assert inside("learn", design, theirs).returncode == OK
     repaired = inside("store", "repair", design, *store)

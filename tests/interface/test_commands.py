@@ -20,6 +20,7 @@ FUNCTIONS = {
     )},
 }  # fmt: skip
 OF_THE_TERMINAL = {
+    "audit": "prints the log of who changed what, which is of the service",
     "alarms": "prints a log, which a program has from a store: alarm_log(robot.identity)",
     "data": "a program reads columns by robophm.measured, which the command prints",
     "demo": "shows the commands one after another",
@@ -29,6 +30,7 @@ OF_THE_TERMINAL = {
     "schema": "prints robophm.design.schema.json_schema()",
     "serve": "is a service, which ends with Ctrl+C",
     "topics": "lists what a source offers: open_source(…).topics()",
+    "users": "keeps who may use the service",
 }
 DESIGN = """
 schema_version: 1

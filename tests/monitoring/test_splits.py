@@ -87,6 +87,7 @@ def test_a_file_before_those_that_were_counted_is_refused(ota: Robot, drive: tup
     assert store.ledger(ota.name) == kept
 
 
+@pytest.mark.full
 def test_a_replay_of_parts_that_is_killed_again_and_again(ota: Robot, drive: tuple[Path, Path], tmp_path: Path) -> None:
     """It ends as one that was not, and on the way some parts are done and others are not."""
     _, parts = drive

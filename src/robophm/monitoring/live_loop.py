@@ -25,7 +25,7 @@ from robophm.monitoring.silent_signals import SilentSignals
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.stores.events import Event
 from robophm.stores.service_requests import WithdrawnError
-from robophm.stores.store import NoRoomError, Progress, Store
+from robophm.stores.store import NoRoomError, Progress, Store, alone_soon
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.signals.report_sink import JudgedTask, ReportSink
 from robophm.transports.signals.source import STAMP_LIMIT, Gap, LiveItem, LiveSource, SignalSource, WholeMessage
@@ -67,7 +67,7 @@ def watch(
     Raises SourceError as the source does, and where the ledger is ahead of the samples' time; StoreError where somebody
     else goes on with the robot's past in that store.
     """
-    with store.alone(robot.identity) if store else nullcontext():
+    with alone_soon(store, robot.identity) if store else nullcontext():
         return _Watch(
             robot=robot, source=source, store=store, journal=journal, period=period, sinks=sinks,
             task_topics=task_topics, speed=speed, functions=functions, on_start=on_start, on_tick=on_tick,

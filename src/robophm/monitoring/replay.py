@@ -23,7 +23,7 @@ from robophm.monitoring.monitor import LONGEST_PERIOD, Monitor
 from robophm.monitoring.recording_sessions import Recorded, RecordingSession, joined, living, sessions_of
 from robophm.monitoring.report_history import ReportHistory, ReportProcesses
 from robophm.monitoring.wear_watch import GROWTH, WearWatch
-from robophm.stores.store import Progress, Store
+from robophm.stores.store import Progress, Store, alone_soon
 
 SAVE_EVERY = 2.0
 """Seconds between two checkpoints of a replay."""
@@ -107,7 +107,7 @@ def replay_sessions(
     """
     jobs = int(number(jobs, "jobs", low=1, high=MOST_JOBS, whole=True))
     with (
-        store.alone(robot.identity) if store else nullcontext(),
+        alone_soon(store, robot.identity) if store else nullcontext(),
         ReportProcesses(robot, jobs - 1) if store and jobs > 1 else nullcontext() as processes,
     ):
         return _replayed(robot, sessions, store, period, report_every, processes, on_tick)

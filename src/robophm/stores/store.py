@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
+import time
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
@@ -23,6 +24,10 @@ MOST_POINTS = 10_000
 
 MOST_EVENTS = 1000
 """Events that are told at once, unless another number is asked for."""
+
+
+HELD_BRIEFLY = 1.0
+"""Seconds for which whoever holds a past is waited for: who notes a service holds it for a moment."""
 
 
 class NoRoomError(StoreError):
@@ -167,3 +172,19 @@ class TakesRequests(ABC):
     @abstractmethod
     def service_requests(self, robot: str) -> ServiceRequests:
         """Return the requests to note services of a robot."""
+
+
+@contextmanager
+def alone_soon(store: Store, robot: str) -> Iterator[None]:
+    """Be the only one who goes on with a robot's past, as ``Store.alone``, once whoever holds it briefly is done."""
+    until = time.monotonic() + HELD_BRIEFLY
+    with ExitStack() as stack:
+        while True:
+            try:
+                stack.enter_context(store.alone(robot))
+                break
+            except HeldError:
+                if time.monotonic() > until:
+                    raise
+                time.sleep(0.02)
+        yield

@@ -34,6 +34,7 @@ def test_intervals_hold_on_simulated_wear_of_several_laws(bend, noise):
     assert held >= 32
 
 
+@pytest.mark.full
 def test_intervals_of_means_over_stretches_hold_though_they_are_taken_for_moments():
     """Each reading is the mean of twenty moments of straight wear that wanders."""
     rng, held = np.random.default_rng(12), 0

@@ -85,6 +85,7 @@ def test_a_signal_that_stood_still_at_first():
     assert done.cuts[-1].forecast is not None
 
 
+@pytest.mark.full
 def test_straight_wear_holds_its_intervals():
     """By simulation: of all cuts of forty units more than 80 %, though those of one unit go together."""
     rng, shares = np.random.default_rng(5), []

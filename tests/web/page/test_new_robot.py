@@ -69,7 +69,11 @@ def test_from_files_to_the_first_health_of_a_robot_that_is_watched(nothing, visi
     assert robot.usage.operating == pytest.approx(4 / 24, rel=1e-5)
     assert {"sensing/bumper", "sensing/lidar"} < {part.path for part in robot.all_components()}
     assert robot.warnings == ()
-    beside = {path.name for path in nothing.design.parent.iterdir() if ".edits" not in path.name}
+    beside = {
+        path.name
+        for path in nothing.design.parent.iterdir()
+        if not any(part in path.name for part in (".edits", ".access"))
+    }
     assert beside == {"robot.yaml", "assumptions.md", "tasks.yaml", "robot.yaml.files"}
     assert "lidar" in (nothing.design.parent / "assumptions.md").read_text()
 

@@ -81,8 +81,8 @@ def _print_splits(out: Console, some: Splits) -> None:
         names += [f"{field} of {', '.join(of)}{more}" for field, of in topic.names.items()]
         fields.append((topic.name, topic.type.replace("/msg/", "/") or "?", ", ".join(names) or _no_numbers(topic)))
     print_table(out, table("", ("topic", "type", "fields [unit]"), fields))
-    if more := len(one.topics) - len(topics):
-        out.print(f"and {more:,} more topic{'s' * (more > 1)}; all are in --json")
+    if hidden := len(one.topics) - len(topics):
+        out.print(f"and {hidden:,} more topic{'s' * (hidden > 1)}; all are in --json")
     out.print()
 
 

@@ -36,7 +36,7 @@ def own_certificate(path: Path, host: str) -> Path:
     except (OSError, subprocess.SubprocessError) as error:
         raise RobophmError(
             f"{path}: no certificate can be made: {getattr(error, 'stderr', None) or error}; expected the program "
-            "openssl, or --certificate"
+            "openssl, or a certificate of your own"
         ) from None
     finally:
         for left in (made, made.with_name("both.pem")):

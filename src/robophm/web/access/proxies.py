@@ -25,7 +25,7 @@ class Proxies:
             try:
                 self._networks.append(ip_network(one.strip()))
             except ValueError:
-                raise RobophmError(f"--proxy {one}: expected an address such as 127.0.0.1, or 10.0.0.0/8") from None
+                raise RobophmError(f"proxy {one}: expected an address such as 127.0.0.1, or 10.0.0.0/8") from None
 
     def __bool__(self) -> bool:
         """Return whether any is believed."""
