@@ -163,6 +163,7 @@ def test_a_real_zsh_completes(program):
         os.close(terminal)
 
 
+@pytest.mark.full
 def test_standard_input_is_read_where_a_file_is(run, design):
     text = design.read_text()
     command = [sys.executable, "-m", "robophm"]

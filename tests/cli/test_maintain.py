@@ -120,6 +120,7 @@ components:
 """
 
 
+@pytest.mark.full
 def test_a_part_that_is_inspected(inside, tmp_path):
     """Wear by steps towards 9: looking is cheaper than an age; a part whose wear nobody reads is said."""
     (tmp_path / "robot.yaml").write_text(WORN)

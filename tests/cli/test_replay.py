@@ -182,6 +182,7 @@ main()
 """
 
 
+@pytest.mark.full
 def test_an_interrupted_replay_goes_on_where_it_was(run, design, tmp_path):
     recording = SyntheticOta(seed=1, duration=2 * HOUR).record(tmp_path / "drive.mcap")
     words = ["replay", str(design), str(recording), "--store", "past.db", "--json"]

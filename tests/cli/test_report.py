@@ -54,6 +54,7 @@ def hashes(page):
     return re.findall(r"\b[0-9a-f]{64}\b", page.read_text())
 
 
+@pytest.mark.full
 def test_a_pdf_is_the_same_bytes_in_another_process(inside, run, tmp_path):
     pytest.importorskip("weasyprint", exc_type=Exception, reason="no WeasyPrint, or no Pango")
     design = tmp_path / "robot.yaml"

@@ -326,6 +326,7 @@ def fleet(path, rng, count, heading="unit,time [h],value"):
     return path.name
 
 
+@pytest.mark.full
 def test_others_of_its_kind_are_teachers(inside, robot, tmp_path):
     """At half of its life a battery that will fall ever faster; thirty others tell when, and that is said."""
     rng = np.random.default_rng(11)

@@ -48,6 +48,7 @@ def test_conditions_of_readings_and_to_come(inside, robot, tmp_path):
         assert said in " ".join(told.stderr.split())
 
 
+@pytest.mark.full
 def test_an_index_of_health_of_many_signals(inside, robot, tmp_path):
     """Signals of which two show wear in the last sixty hours; from ten units that failed."""
     rng = np.random.default_rng(1)

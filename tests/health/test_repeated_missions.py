@@ -86,6 +86,7 @@ def test_repetitions_of_exponential_parts_in_series_are_alike() -> None:
     assert found[1] == pytest.approx(np.full(1000, float(-mp.expm1(-hazard))), rel=1e-12)
 
 
+@pytest.mark.full
 def test_parts_that_must_work_are_as_good_however_often() -> None:
     """A million hours at 0.002 /h: that all succeed is e^-2000, which no number holds; the next is e^-0.002 still."""
     outlook = as_designed(Plant(robot({"a": {"rate": "1e-3 /h"}, "b": {"rate": "1e-3 /h"}})))

@@ -321,7 +321,7 @@ def test_whoever_is_killed_a_service_is_noted_once(tmp_path: Path) -> None:
                 os.kill(pid, signal.SIGTERM)
             else:
                 coming.append(pool.submit(note_service, path, ROBOT, note, key=key, wait=60))
-                while not requests.answer(key) and not any(key == one.key for one in requests.waiting()):
+                while not (coming[-1].done() or requests.answer(key) or key in [one.key for one in requests.waiting()]):
                     time.sleep(0.001)
                 time.sleep(chance.uniform(0, 0.05))
                 os.kill(pid, signal.SIGKILL)

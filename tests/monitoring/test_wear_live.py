@@ -178,6 +178,7 @@ def test_others_of_its_kind_teach_the_figures(lived):
     assert report.system.sensor_based.remaining_life.median == pytest.approx(taught.median, rel=0.05)
 
 
+@pytest.mark.full
 def test_a_run_that_was_killed_goes_on_where_it_was(lived, journal, tmp_path):
     """Two watches of half a journal each, by a store between, and one of all of it."""
     half = tmp_path / "half.journal"

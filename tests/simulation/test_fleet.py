@@ -336,6 +336,7 @@ def test_it_shares_nothing_with_the_engine():
     assert {name.split(".")[1] for name in done.stdout.split()} == {"core", "simulation"}
 
 
+@pytest.mark.full
 def test_from_the_command_line(tmp_path):
     def run(*words):
         command = [sys.executable, "-m", "robophm", "simulate", str(DESIGN), "--to", *words]

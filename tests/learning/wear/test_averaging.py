@@ -23,7 +23,15 @@ def simulated(rng, bend, noise, goal=4.0, drift=0.05, spread=0.05):
             return np.arange(1.0, n + 1), path[:n] + 1 + noise * rng.standard_normal(n), goal + 1, end - n
 
 
-@pytest.mark.parametrize(("bend", "noise"), [(1.0, 0.0), (1.0, 0.1), (2.0, 0.02), (0.7, 0.02)])
+@pytest.mark.parametrize(
+    ("bend", "noise"),
+    [
+        (1.0, 0.0),
+        pytest.param(1.0, 0.1, marks=pytest.mark.full),
+        pytest.param(2.0, 0.02, marks=pytest.mark.full),
+        (0.7, 0.02),
+    ],
+)
 def test_intervals_hold_on_simulated_wear_of_several_laws(bend, noise):
     """Of 40 at least 32: of intervals that hold 90 % fewer come in 2 % of all runs."""
     rng, held = np.random.default_rng(8), 0

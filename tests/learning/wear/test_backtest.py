@@ -96,6 +96,7 @@ def test_straight_wear_holds_its_intervals():
     assert np.mean(shares) > 0.8
 
 
+@pytest.mark.full
 def test_real_cracks_come_near_their_end(measured_wear):
     """Virkler's: intervals hold, and half of the way before the end the median is good to within a third."""
     found = [backtest(t, y, 49.8, cuts=10, draws=300) for t, y in list(measured_wear("virkler_crack").values())[:12]]

@@ -24,6 +24,7 @@ def course(rng, life=None):
     return SignalHistory(t, values)
 
 
+@pytest.mark.full
 def test_intervals_hold_and_the_index_tells():
     rng = np.random.default_rng(1)
     index = learn_health_index([course(rng) for _ in range(40)], horizon=60)

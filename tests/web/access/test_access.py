@@ -292,6 +292,7 @@ def robophm(*words: str, said: str = "", **more: str) -> subprocess.CompletedPro
                           timeout=90, check=False, env={**os.environ, **more})  # fmt: skip
 
 
+@pytest.mark.full
 def test_commands(tmp_path: Path) -> None:
     design = str(tmp_path / "courier.yaml")
     Path(design).write_text(SMALL)

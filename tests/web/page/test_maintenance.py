@@ -17,6 +17,7 @@ def cart(tmp_path):
     return path
 
 
+@pytest.mark.full
 def test_what_decides_and_what_is_replaced_first_in_two_clicks(cart, visit, monkeypatch):
     with watched(cart, monkeypatch) as served:
         look = visit(served)

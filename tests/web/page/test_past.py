@@ -9,6 +9,7 @@ from ..test_past import CART, beside, drive, hours, live, until
 from ..test_past import ages as ages_of
 
 
+@pytest.mark.full
 def test_a_part_renamed_on_the_page_goes_on_after_stop_and_start(visit, tmp_path):
     design = tmp_path / "cart.yaml"
     design.write_text(CART)

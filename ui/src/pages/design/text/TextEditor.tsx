@@ -13,7 +13,7 @@ import { Followed } from "./follow";
 import { checked, completion, explained } from "./help";
 import { look } from "./look";
 import { positionOf } from "./place";
-import { type Node, Schema } from "./schema";
+import { type Node, Schema } from "./keys";
 
 /** Typing over a selection: the browser would keep the look of what was there by an inline style, which the service's policy refuses. */
 const typedOver = EditorView.domEventHandlers({

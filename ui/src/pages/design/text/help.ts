@@ -5,7 +5,7 @@ import type { EditorState, Extension } from "@codemirror/state";
 import { type EditorView, hoverTooltip } from "@codemirror/view";
 import { type Problem, post } from "../../../lib/api";
 import { keyAt, spotAt } from "./place";
-import type { Schema } from "./schema";
+import type { Schema } from "./keys";
 
 export const completion =
   (schema: Schema) =>
