@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from robophm.core.signal import SECOND
 from robophm.web.service import Service
 
