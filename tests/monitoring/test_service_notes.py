@@ -288,7 +288,11 @@ def run(folder: Path) -> None:
 def zygote() -> Iterator[subprocess.Popen[str]]:
     words = [sys.executable, "-c", ZYGOTE, str(Path(__file__).parents[2])]
     with subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as child:
-        yield child
+        try:
+            yield child
+        except BaseException:
+            child.kill()
+            raise
         assert child.stdin
         child.stdin.close()
 

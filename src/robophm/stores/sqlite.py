@@ -95,12 +95,24 @@ class SqliteStore(Store, TakesRequests):
 
     def ledger(self, robot: str) -> Mapping[str, Any] | None:
         """Return the robot's ledger as it was saved, or None. Raises StoreError where it cannot be read."""
-        with self._errors():
+        with self._errors(), self._at_one_moment():
             for table in TABLES:
                 table.check(self._base, robot)
             row = LEDGER.get(self._base, robot)
             self._revisions[robot] = row[0] if row else 0
             return json.loads(row[1]) if row else None
+
+    @contextmanager
+    def _at_one_moment(self) -> Iterator[None]:
+        """Read all of one moment, whatever another process saves meanwhile: else sums would not fit their rows."""
+        begun = not self._base.in_transaction
+        if begun:
+            self._base.execute("BEGIN")
+        try:
+            yield
+        finally:
+            if begun and self._base.in_transaction:
+                self._base.execute("COMMIT")
 
     def robots(self) -> list[str]:
         """Return the names of the robots whose ledgers are kept, sorted. Raises StoreError."""
@@ -109,7 +121,7 @@ class SqliteStore(Store, TakesRequests):
 
     def progress(self, robot: str, recording: str) -> Progress:
         """Return how far a recording has been replayed into this robot's ledger."""
-        with self._errors():
+        with self._errors(), self._at_one_moment():
             row = PROGRESS.get(self._base, robot, recording)
             if row is None and robot not in self._whole:  # it may be there under a name that was damaged
                 for _ in PROGRESS.rows(self._base, robot):
