@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from statistics import NormalDist
 
-_PLACE_OF_95 = NormalDist().inv_cdf(0.95)
+_PLACE_OF_95 = 1.6448536269514722
+"""The 95th percentile of the standard normal distribution."""
+
+
+def deviation_of(error_factor: float) -> float:
+    """Return the standard deviation of the logarithm of a lognormal factor, by its 95th percentile over its median."""
+    return math.log(error_factor) / _PLACE_OF_95
 
 
 @dataclass(frozen=True)
@@ -24,7 +29,7 @@ class Spread:
     @property
     def deviation(self) -> float:
         """The standard deviation of the logarithm of the factor."""
-        return math.log(self.error_factor) / _PLACE_OF_95
+        return deviation_of(self.error_factor)
 
     @property
     def mean(self) -> float:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import numpy.typing as npt
 from scipy.special import gammaincinv, ndtri
 
+from robophm.core.spread import deviation_of
 from robophm.design.robot import FailureMode, Robot, Uncertainty
 from robophm.health.plant import Plant
 from robophm.parts import graded
@@ -87,6 +86,6 @@ def _ratio(uncertainty: Uncertainty, level: Array) -> Array:
 
 
 def _lognormal(error_factor: float, level: Array) -> Array:
-    deviation = math.log(error_factor) / ndtri(0.95)
+    deviation = deviation_of(error_factor)
     result: Array = np.exp(deviation * ndtri(level) - deviation**2 / 2)
     return result

@@ -55,10 +55,12 @@ class HistoryOf(History):
     """The history of one robot in a base."""
 
     def __init__(
-        self, kept: KeptHistory, robot: str, alarms: AlarmLog, errors: Callable[[], AbstractContextManager[None]]
-    ) -> None:
-        """``alarms``: the robot's log; ``errors``: what turns those of the base into those of stores."""
-        self._kept, self._robot, self._alarms, self._errors = kept, robot, alarms, errors
+        self, kept: KeptHistory, robot: str, alarms: AlarmLog, errors: Callable[[], AbstractContextManager[None]],
+        reading: Callable[[], AbstractContextManager[None]],
+    ) -> None:  # fmt: skip
+        """``alarms``: the robot's log; ``errors``: what turns those of the base into those of stores, ``reading``: and
+        has all that is read be of one moment."""
+        self._kept, self._robot, self._alarms, self._errors, self._reading = kept, robot, alarms, errors, reading
 
     def reports(self) -> Iterator[Mapping[str, Any]]:
         """Yield the reports that are kept whole, oldest first."""
@@ -68,18 +70,18 @@ class HistoryOf(History):
     def figures(self, start: int | None = None, end: int | None = None, points: int = POINTS) -> FigureSeries:
         """Return the figures of the reports from a time until before another [ns]. Raises RobophmError."""
         number(points, "points", low=2, high=MOST_POINTS, whole=True)
-        with self._errors():
+        with self._reading():
             return self._kept.figures.figures(self._robot, start, end, points)
 
     def report_at(self, time: int) -> Mapping[str, Any] | None:
         """Return the last report that is kept up to a time [ns], else the first after it; None where there is none."""
-        with self._errors():
+        with self._reading():
             return self._kept.reports.at(self._robot, time)
 
     def events(self, start: int | None = None, end: int | None = None, most: int = MOST_EVENTS) -> list[Event]:
         """Return the events from a time until before another [ns], oldest first; the latest where there are more."""
         first = -(2**63) if start is None else start
         last = 2**63 - 1 if end is None else end
-        with self._errors():
+        with self._reading():
             kept = self._kept.events.between(self._robot, first, last, most)
         return latest_events([*kept, *self._alarms.events(first, last, most)], first, last, most)

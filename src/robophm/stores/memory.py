@@ -14,6 +14,8 @@ from robophm.stores.store import HeldError, Restored
 class MemoryStore(SqliteStore):
     """A store in SQLite that is in no file, and goes when nobody has it any more; for any threads, one at a time."""
 
+    _with_others = False
+
     def __init__(self, where: str | os.PathLike[str] = "") -> None:
         super().__init__(":memory:")
         self._held: dict[str, threading.Lock] = {}

@@ -11,7 +11,7 @@ import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from robophm.core.errors import StoreError
 from robophm.core.single_writer import only_one
@@ -32,6 +32,9 @@ LONGEST_WAIT = 10.0
 
 class SqliteStore(Store, TakesRequests):
     """A store of robots' pasts in one SQLite file."""
+
+    _with_others: ClassVar[bool] = True
+    """Whether other processes can write to the same store."""
 
     def __init__(self, where: str | os.PathLike[str]) -> None:
         """Open a file, or make it. Raises StoreError where it is not a store of this version."""
@@ -95,7 +98,7 @@ class SqliteStore(Store, TakesRequests):
 
     def ledger(self, robot: str) -> Mapping[str, Any] | None:
         """Return the robot's ledger as it was saved, or None. Raises StoreError where it cannot be read."""
-        with self._errors(), self._at_one_moment():
+        with self._reading():
             for table in TABLES:
                 table.check(self._base, robot)
             row = LEDGER.get(self._base, robot)
@@ -103,16 +106,17 @@ class SqliteStore(Store, TakesRequests):
             return json.loads(row[1]) if row else None
 
     @contextmanager
-    def _at_one_moment(self) -> Iterator[None]:
+    def _reading(self) -> Iterator[None]:
         """Read all of one moment, whatever another process saves meanwhile: else sums would not fit their rows."""
-        begun = not self._base.in_transaction
-        if begun:
-            self._base.execute("BEGIN")
-        try:
-            yield
-        finally:
-            if begun and self._base.in_transaction:
-                self._base.execute("COMMIT")
+        with self._errors():
+            begun = self._with_others and not self._base.in_transaction
+            if begun:
+                self._base.execute("BEGIN")
+            try:
+                yield
+            finally:
+                if begun:
+                    self._base.execute("COMMIT")
 
     def robots(self) -> list[str]:
         """Return the names of the robots whose ledgers are kept, sorted. Raises StoreError."""
@@ -121,7 +125,7 @@ class SqliteStore(Store, TakesRequests):
 
     def progress(self, robot: str, recording: str) -> Progress:
         """Return how far a recording has been replayed into this robot's ledger."""
-        with self._errors(), self._at_one_moment():
+        with self._reading():
             row = PROGRESS.get(self._base, robot, recording)
             if row is None and robot not in self._whole:  # it may be there under a name that was damaged
                 for _ in PROGRESS.rows(self._base, robot):
@@ -131,7 +135,7 @@ class SqliteStore(Store, TakesRequests):
 
     def history(self, robot: str) -> History:
         """Return what is kept of the robot's reports, of all its time."""
-        return HistoryOf(self._history, robot, self.alarm_log(robot), self._errors)
+        return HistoryOf(self._history, robot, self.alarm_log(robot), self._errors, self._reading)
 
     def save(
         self,

@@ -11,6 +11,7 @@ from scipy.special import gammaln
 from scipy.stats import chi2
 
 from robophm.core.errors import DataError, UnitError
+from robophm.core.spread import deviation_of
 from robophm.core.units import quantity
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot, Uncertainty
 from robophm.learning.rates.failure_log import Seen, merged
@@ -192,7 +193,7 @@ def _said(mode: FailureMode, rate: float, prior: str) -> float:
 def _square_of_variation(uncertainty: Uncertainty, beta: float) -> float:
     """Squared coefficient of variation of θ^β, with what an unknown quality makes of it."""
     factors = [uncertainty.error_factor, uncertainty.quality.error_factor if uncertainty.quality else None]
-    logarithm = sum((beta * math.log(factor) / 1.6448536269514722) ** 2 for factor in factors if factor is not None)
+    logarithm = sum((beta * deviation_of(factor)) ** 2 for factor in factors if factor is not None)
     if uncertainty.failures is not None:
         k = uncertainty.failures
         logarithm += float(gammaln(k + 2 * beta) + gammaln(k) - 2 * gammaln(k + beta))

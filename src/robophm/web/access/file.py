@@ -7,6 +7,7 @@ import sqlite3
 import threading
 import weakref
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +40,8 @@ class AccessFile:
         self._lock = threading.Lock()
         try:
             if path and not path.exists():
-                os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
+                with suppress(FileExistsError):  # another process was faster
+                    os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
             self._base = sqlite3.connect(path or ":memory:", timeout=10, isolation_level=None, check_same_thread=False)
             weakref.finalize(self, self._base.close)
             self._base.execute("PRAGMA journal_mode = WAL")
@@ -47,9 +49,6 @@ class AccessFile:
             if self.run("PRAGMA user_version") == [(0,)] and not self.run("SELECT 1 FROM sqlite_schema"):
                 self._base.executescript(f"BEGIN IMMEDIATE; {_TABLES} PRAGMA user_version = {VERSION}; COMMIT;")
             version = self.run("PRAGMA user_version")[0][0]
-        except FileExistsError:  # another process was faster
-            self.__init__(path)  # type: ignore[misc]
-            return
         except (OSError, sqlite3.Error) as error:
             raise StoreError(f"{path}: {error}; expected the file of who may use the service, or none") from None
         if version != VERSION:
