@@ -6,7 +6,10 @@ import json
 import math
 import random
 import sqlite3
+import threading
+import time
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from itertools import product
 from pathlib import Path
@@ -331,3 +334,29 @@ def test_a_store_of_version_2_that_cannot_be_read_stays_as_it_is(tmp_path: Path)
         assert base.execute("SELECT count(*) FROM report").fetchone() == (4,)
         names = {name for (name,) in base.execute("SELECT name FROM sqlite_schema WHERE type = 'table'")}
     assert names == {"ledger", "progress", "report"}
+
+
+def test_a_past_is_read_at_one_moment_while_another_saves_it(tmp_path: Path) -> None:
+    """Rows and the sums that tell whether all are there belong together, whoever saves between two looks."""
+    path, over = tmp_path / "past.db", threading.Event()
+
+    def save() -> None:
+        with SqliteStore(path) as writing:
+            for number in range(1_000_000):
+                if over.is_set():
+                    return
+                writing.save("r", {"version": number}, reports=[report(BEGIN + number * 5 * HOUR)])
+
+    with SqliteStore(path) as reading, ThreadPoolExecutor(1) as pool:
+        writer = pool.submit(save)
+        try:
+            seen = 0
+            until = time.monotonic() + 60
+            while seen < 100 and time.monotonic() < until:
+                ledger = reading.ledger("r")
+                seen += ledger is not None
+                reading.history("r").figures()
+        finally:
+            over.set()
+        writer.result()
+    assert seen == 100
