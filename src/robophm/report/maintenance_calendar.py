@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from datetime import UTC, datetime, timedelta
 from hashlib import sha256
 
+from robophm.core.signal import SECOND
 from robophm.health.part_due import Dues, PartDue
 from robophm.report.words import duration_text
 
@@ -15,12 +16,13 @@ AHEAD = 10 * 8766.0
 _LONGEST = 75  # bytes of a line (RFC 5545, 3.1)
 
 
-def calendar(robot: str, identity: str, found: Dues, now: datetime) -> str:
+def calendar(robot: str, identity: str, found: Dues, known_to: int | None) -> str:
     """Return the parts that are due, each as an event of a whole day, the day before which it is to be done.
 
     ``identity``: the robot's, from which with the part's path the name of an event is made, that stays the same while
-    the day moves; ``now``: when the figures are of, in UTC.
+    the day moves; ``known_to``: time of which the figures are [ns since the epoch], None: of a new robot, so of now.
     """
+    now = datetime.now(UTC) if known_to is None else datetime.fromtimestamp(known_to / SECOND, UTC)
     lines = [
         "BEGIN:VCALENDAR", "VERSION:2.0", "PRODID:-//robophm//maintenance//EN", "CALSCALE:GREGORIAN",
         "METHOD:PUBLISH", f"X-WR-CALNAME:{_text(f'Maintenance of {robot}')}",

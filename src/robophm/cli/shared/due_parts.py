@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
 from pathlib import Path
 
 from rich.console import Console
 
 from robophm.cli.shared.output import may_write, print_table, table, warn
 from robophm.core.files import write_atomically
-from robophm.core.signal import SECOND
 from robophm.design.robot import UNKNOWN
 from robophm.health.part_due import PartDue
 from robophm.health.unknown_rates import few
@@ -77,6 +75,4 @@ def _count(one: ReplacementsAhead) -> str:
 def write_calendar(path: Path, design: Path, found: UpkeepAhead) -> None:
     """Write what is due as a calendar. Raises RobophmError where it cannot be written."""
     may_write(path, design)
-    known = found.known_to
-    now = datetime.now(UTC) if known is None else datetime.fromtimestamp(known / SECOND, UTC)
-    write_atomically(path, calendar(found.robot.name, found.robot.identity, found.dues, now))
+    write_atomically(path, calendar(found.robot.name, found.robot.identity, found.dues, found.known_to))

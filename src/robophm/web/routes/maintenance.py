@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from datetime import UTC, datetime
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated, Literal
@@ -198,8 +197,7 @@ def get_maintenance(service: Served, risk: Risk = RISK) -> Maintenance:
 def get_calendar(service: Served, risk: Risk = RISK) -> Response:
     """The parts that are due as a calendar to subscribe to, by RFC 5545."""
     _, _, found = _ahead(service, risk)
-    now = datetime.now(UTC) if found.known_to is None else datetime.fromtimestamp(found.known_to / SECOND, UTC)
-    text = calendar(found.robot.name, found.robot.identity, found.dues, now)
+    text = calendar(found.robot.name, found.robot.identity, found.dues, found.known_to)
     return Response(text, media_type="text/calendar; charset=utf-8")
 
 

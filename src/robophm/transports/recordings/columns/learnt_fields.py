@@ -69,7 +69,7 @@ def _learnt(schema: LearntSchema, parse: Callable[[bytes], Any], raw: bytes) -> 
     """Whether a message brings anything new; what cannot be read does not."""
     try:
         return schema.learn(parse(raw))
-    except Exception:
+    except Exception:  # damaged bytes fail in many ways; each is counted where the message is read
         return False
 
 
