@@ -86,11 +86,11 @@ export default function Maintenance(): ReactNode {
               <summary>
                 {useless.length === 1 ? "1 part does not wear" : `${useless.length} parts do not wear`}: replacing before a failure gains nothing
               </summary>
-              <Table label="Parts that do not wear" columns={["Part", ["90 % fail within", "number"], ["Service", "spoken"]]}>
+              <Table label="Parts that do not wear" className="scroll stacked" columns={["Part", ["90 % fail within", "number"], ["Service", "spoken"]]}>
                 {useless.map((one) => (
                   <tr key={one.part}>
                     <td>{named(one)}</td>
-                    <td className="number">{between(one)}</td>
+                    <td className="number" data-label="90 % fail within">{between(one)}</td>
                     <td><Serve one={one} serve={found.past ? () => setServing(one) : undefined} /></td>
                   </tr>
                 ))}
@@ -169,15 +169,15 @@ function Spares({ found }: { found: Upkeep }): ReactNode {
     <section className="card" style={{ marginTop: 16 }}>
       <h2>Replacements to come</h2>
       <p className="small quiet">Mean number, and between which it is with 90 %, where what has failed is replaced at once. What is replaced before it fails is not in it.</p>
-      <Table label="Replacements to come" columns={["Type of part", ["Parts", "number"], ...spans.map((hours): [string, "number"] => [durationText(hours), "number"])]}>
+      <Table label="Replacements to come" className="scroll stacked" columns={["Type of part", ["Parts", "number"], ...spans.map((hours): [string, "number"] => [durationText(hours), "number"])]}>
         {longest.slice(0, MOST).map((one) => (
           <tr key={one.name}>
             <td title={one.parts.join(", ")}>{one.name}</td>
-            <td className="number">{one.count}</td>
+            <td className="number" data-label="Parts">{one.count}</td>
             {spans.map((hours) => {
               const within = of(one.name, hours);
               return (
-                <td key={hours} className="number">
+                <td key={hours} className="number" data-label={durationText(hours)}>
                   {within?.expected == null ? "unknown" : `${numberText(within.expected, 2)} (${within.low} … ${within.high})`}
                 </td>
               );
@@ -196,7 +196,7 @@ function Done({ found }: { found: Upkeep }): ReactNode {
       <h2>Done</h2>
       {!found.services.length && <p className="quiet">No service has been noted.</p>}
       {found.services.length > 0 && (
-        <Table label="Services so far" columns={["When", "Part", "What", "By", "Note"]}>
+        <Table label="Services so far" className="scroll stacked" columns={["When", "Part", "What", "By", "Note"]}>
           {found.services.map((one, i) => (
             <tr key={i}>
               <td>{one.time == null ? "before its first recording" : momentText(one.time)}</td>
@@ -205,8 +205,8 @@ function Done({ found }: { found: Upkeep }): ReactNode {
                 {one.kind}
                 {one.failed && " after it had failed"}
               </td>
-              <td>{one.by || "–"}</td>
-              <td>{one.note || "–"}</td>
+              <td data-label="By">{one.by || "–"}</td>
+              <td data-label="Note">{one.note || "–"}</td>
             </tr>
           ))}
         </Table>
