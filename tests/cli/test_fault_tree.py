@@ -27,8 +27,8 @@ def failed(per_million_hours: float, hours: float) -> float:
     return -math.expm1(-per_million_hours * 1e-6 * hours)
 
 
-def test_the_cut_sets_of_a_robot(run, robot):
-    done = run("cutsets", robot, "--at", 2000, "--function", "move", "--json")
+def test_the_cut_sets_of_a_robot(inside, robot):
+    done = inside("cutsets", robot, "--at", 2000, "--function", "move", "--json")
     assert (done.returncode, done.stderr) == (0, "")
     said = json.loads(done.stdout)
     computer, motor = failed(10, 2000), failed(50, 2000)
@@ -38,45 +38,45 @@ def test_the_cut_sets_of_a_robot(run, robot):
     assert sets["motor[1]", "motor[2]"]["probability"] == pytest.approx(motor**2, rel=1e-12)
     assert sets["computer",]["share"] == pytest.approx(computer / said["unreliability"], rel=1e-12)
     assert said["cut_sets"]["count"] == 2
-    text = run("cutsets", robot, "--paths").stdout
+    text = inside("cutsets", robot, "--paths").stdout
     assert "2 minimal path sets: 2 of 3" in text
     assert "computer, motor[1], lamp" in text
 
 
-def test_few_are_listed_and_the_rest_is_stated(run, robot):
-    text = run("cutsets", robot, "--order", 1).stdout
+def test_few_are_listed_and_the_rest_is_stated(inside, robot):
+    text = inside("cutsets", robot, "--order", 1).stdout
     assert "3 minimal cut sets: 2 of 1, 1 of 2" in text
     assert "motor[1]" not in text
     assert f"1 more is not listed; its probability is {failed(50, 1000) ** 2:.3g}" in text
 
 
-def test_a_robots_tree_is_written_and_says_the_same(run, robot, tmp_path):
-    first = json.loads(run("fault-tree", robot, "--at", 500, "--to", "tree.xml", "--json").stdout)
-    second = json.loads(run("fault-tree", "tree.xml", "--at", 500, "--json").stdout)
+def test_a_robots_tree_is_written_and_says_the_same(inside, robot, tmp_path):
+    first = json.loads(inside("fault-tree", robot, "--at", 500, "--to", "tree.xml", "--json").stdout)
+    second = json.loads(inside("fault-tree", "tree.xml", "--at", 500, "--json").stdout)
     assert second["probability"] == pytest.approx(first["probability"], rel=1e-12)
     assert second["cut_sets"]["count"] == first["cut_sets"]["count"] == 3
     assert '<exponential><float value="1e-05"/>' in (tmp_path / "tree.xml").read_text()
-    shown = json.loads(run("show", robot, "--at", 500, "--json").stdout)
+    shown = json.loads(inside("show", robot, "--at", 500, "--json").stdout)
     assert first["probability"] == pytest.approx(shown["modules"][0]["unreliability"], rel=1e-12)
 
 
-def test_a_robots_tree_becomes_a_design_again(run, robot, tmp_path):
+def test_a_robots_tree_becomes_a_design_again(inside, robot, tmp_path):
     """Design, model, design: the same number, that of the closed form."""
-    run("fault-tree", robot, "--at", 500, "--to", "tree.xml")
-    done = run("fault-tree", "tree.xml", "--at", 500, "--to", "again.yaml")
+    inside("fault-tree", robot, "--at", 500, "--to", "tree.xml")
+    done = inside("fault-tree", "tree.xml", "--at", 500, "--to", "again.yaml")
     assert (done.returncode, done.stderr) == (0, "")
     assert "Written: again.yaml" in done.stdout
     ((_, shown),) = (
-        (one["path"], one) for one in json.loads(run("show", "again.yaml", "--at", 500, "--json").stdout)["modules"]
+        (one["path"], one) for one in json.loads(inside("show", "again.yaml", "--at", 500, "--json").stdout)["modules"]
     )
     lamp = -math.expm1(-((math.gamma(1.5) * 5e-6 * 500) ** 2))  # Weibull of mean 200,000 h
     expected = 1 - (1 - failed(10, 500)) * (1 - failed(50, 500) ** 2) * (1 - lamp)
     assert shown["unreliability"] == pytest.approx(expected, rel=1e-10)
     assert "motor_1: {rate: 5e-05 /h}" in (tmp_path / "again.yaml").read_text()
-    assert run("check", "again.yaml").returncode == 0
+    assert inside("check", "again.yaml").returncode == 0
 
 
-def test_mistakes_are_one_line(run, robot, tmp_path):
+def test_mistakes_are_one_line(inside, robot, tmp_path):
     (tmp_path / "bad.xml").write_text("<opsa-mef>\n<define-fault-tree name='x'>\n")
     (tmp_path / "half.xml").write_text(
         '<opsa-mef><define-fault-tree name="t"><define-gate name="g"><or><basic-event name="a"/></or></define-gate>'
@@ -103,7 +103,7 @@ def test_mistakes_are_one_line(run, robot, tmp_path):
         ),
         (("cutsets", robot, "--at", "inf"), "--at inf: expected hours of at least 0"),
     ):
-        done = run(*words)
+        done = inside(*words)
         assert done.returncode == 3
         assert says in done.stderr
         assert done.stderr.count("\n") == 1
@@ -112,19 +112,19 @@ def test_mistakes_are_one_line(run, robot, tmp_path):
     assert not (tmp_path / "again.yaml").exists()
 
 
-def test_a_tree_with_not_has_a_probability_and_no_cut_sets(run, tmp_path):
+def test_a_tree_with_not_has_a_probability_and_no_cut_sets(inside, tmp_path):
     (tmp_path / "m.xml").write_text(
         '<opsa-mef><define-fault-tree name="t"><define-gate name="g"><and><basic-event name="a"/><not>'
         '<basic-event name="b"/></not></and></define-gate></define-fault-tree><model-data><define-basic-event name="a">'
         '<float value="0.5"/></define-basic-event><define-basic-event name="b"><float value="0.25"/>'
         "</define-basic-event></model-data></opsa-mef>"
     )
-    text = run("fault-tree", "m.xml").stdout
+    text = inside("fault-tree", "m.xml").stdout
     assert "occurs with 0.375" in text
     assert "no minimal cut sets are listed" in text
 
 
-def test_common_causes_and_groups_are_events(run, tmp_path):
+def test_common_causes_and_groups_are_events(inside, tmp_path):
     """Of a pair that may fail together and a cold pair: the cause and the group are cut sets of one."""
     (tmp_path / "robot.yaml").write_text("""
 schema_version: 1
@@ -136,27 +136,27 @@ components:
 common_causes: {heat: {of: [motor], beta: 0.1}}
 diagram: {series: [motor, {standby: {of: [A, B]}}]}
 """)
-    said = json.loads(run("fault-tree", "robot.yaml", "--at", 1000, "--to", "tree.xml", "--json").stdout)
+    said = json.loads(inside("fault-tree", "robot.yaml", "--at", 1000, "--to", "tree.xml", "--json").stdout)
     sets = {tuple(one["parts"]): one["probability"] for one in said["cut_sets"]["listed"]}
     assert sets == {
         ("heat",): pytest.approx(failed(5, 1000), rel=1e-12),
         ("motor[1]", "motor[2]"): pytest.approx(failed(45, 1000) ** 2, rel=1e-12),
         ("standby of A, B",): pytest.approx(1 - math.exp(-0.02) * 1.02, rel=1e-10),
     }
-    again = json.loads(run("fault-tree", "tree.xml", "--at", 1000, "--json").stdout)
+    again = json.loads(inside("fault-tree", "tree.xml", "--at", 1000, "--json").stdout)
     assert again["probability"] == pytest.approx(said["probability"], rel=1e-12)
 
 
-def test_an_estimate_where_nothing_else_is_wanted(run, robot):
+def test_an_estimate_where_nothing_else_is_wanted(inside, robot):
     """A million samples of the tree of a robot, and of the model written of it: about what is exact."""
-    exact = json.loads(run("fault-tree", robot, "--at", 2e4, "--to", "tree.xml", "--json").stdout)["probability"]
+    exact = json.loads(inside("fault-tree", robot, "--at", 2e4, "--to", "tree.xml", "--json").stdout)["probability"]
     for tree in (robot, "tree.xml"):
-        said = json.loads(run("fault-tree", tree, "--at", 2e4, "--monte-carlo", 1_000_000, "--json").stdout)
+        said = json.loads(inside("fault-tree", tree, "--at", 2e4, "--monte-carlo", 1_000_000, "--json").stdout)
         assert said["samples"] == 1_000_000
         assert 0 < said["high"] - said["low"] < 0.005
         assert said["probability"] == pytest.approx(exact, abs=5 * math.sqrt(exact * (1 - exact) / 1e6))
-    text = run("fault-tree", robot, "--monte-carlo", 1000).stdout
+    text = inside("fault-tree", robot, "--monte-carlo", 1000).stdout
     assert "with 95 % confidence between" in text
-    done = run("fault-tree", robot, "--monte-carlo", 1000, "--to", "other.xml")
+    done = inside("fault-tree", robot, "--monte-carlo", 1000, "--to", "other.xml")
     assert done.returncode == 2
     assert "--to: not used for a robot, whose top event is of --function, only estimated (--monte-carlo)" in done.stderr
