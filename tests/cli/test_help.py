@@ -35,6 +35,29 @@ def options():
                 yield from ((name, option) for option in parameter.opts)
 
 
+@pytest.mark.parametrize(
+    ("commands", "without"),
+    [
+        ((["parts", "lidar"], ["models", "resistor"]), ("scipy", "pint", "pandas", "matplotlib")),
+        (
+            (["check", "examples/arm/robot.yaml"], ["predict", "examples/arm/robot.yaml"]),
+            ("scipy.stats", "pint", "pandas"),
+        ),
+    ],
+)
+def test_a_command_loads_no_library_that_it_does_not_need(commands, without):
+    """Libraries take longer to load than most commands work."""
+    code = (
+        "import sys; from robophm.cli.app import app\n"
+        f"for words in {commands}: app(words, standalone_mode=False)\n"
+        f"print(sorted(set({without}) & set(sys.modules)), file=sys.stderr)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=60, check=True
+    )
+    assert done.stderr.strip().endswith("[]"), done.stderr[-500:]
+
+
 def test_each_command_is_in_one_group():
     listed = [name for names in GROUPS.values() for name in names]
     assert sorted(listed) == sorted(COMMANDS)

@@ -7,7 +7,7 @@ import time
 import pytest
 
 from robophm.core.errors import UnitError
-from robophm.core.units import conversion, quantity
+from robophm.core.units import _USUAL, _of_pint, conversion, quantity
 
 
 @pytest.mark.parametrize(
@@ -55,6 +55,11 @@ def test_conversion(written, inside, expected):
 def test_powers_of_ten_round_once(number):
     assert quantity(f"{number} FIT", "1/h") == float(f"{number}e-9")
     assert quantity(f"{number} FPMH", "1/h") == float(f"{number}e-6")
+
+
+@pytest.mark.parametrize(("written", "inside"), _USUAL)
+def test_usual_units_are_what_pint_makes_of_them(written, inside):
+    assert _USUAL[written, inside] == _of_pint(written, inside)
 
 
 def test_a_signal_is_converted_by_scale_and_offset():
@@ -170,10 +175,10 @@ def test_threads_that_begin_at_once_share_their_units():
     code = (
         "from concurrent.futures import ThreadPoolExecutor; from threading import Barrier\n"
         "from robophm.core.units import conversion\n"
-        "written, at_once = ['FIT', 'FPMH', '1/day', '/10^6 h'] * 2, Barrier(8)\n"
+        "written, at_once = ['nFIT', 'kFPMH', '1/day', '/10^5 h'] * 2, Barrier(8)\n"
         "def convert(unit): at_once.wait(); return conversion(unit, '1/h').scale\n"
         "print(*ThreadPoolExecutor(8).map(convert, written))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 0, done.stderr[-500:]
-    assert [float(scale) for scale in done.stdout.split()] == pytest.approx([1e-9, 1e-6, 1 / 24, 1e-6] * 2, rel=1e-12)
+    assert [float(scale) for scale in done.stdout.split()] == pytest.approx([1e-18, 1e-3, 1 / 24, 1e-5] * 2, rel=1e-12)

@@ -93,7 +93,7 @@ def told(*words):
 
 def plain(value):
     """As JSON has it."""
-    from robophm.health.report import plain as values
+    from robophm.core.json_values import plain as values
 
     return json.loads(json.dumps(values(value)))
 

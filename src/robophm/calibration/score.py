@@ -9,7 +9,7 @@ from robophm.calibration.lives import LifeScore, score_lives
 from robophm.calibration.predictions import OWN, Predictions
 from robophm.calibration.tasks import TaskScore, score_tasks
 from robophm.calibration.verdict import Verdict, judge_lives, judge_tasks
-from robophm.health.report import plain
+from robophm.core.json_values import plain
 
 
 @dataclass(frozen=True)

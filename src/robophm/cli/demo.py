@@ -14,8 +14,9 @@ from typing import Annotated
 import typer
 from rich.live import Live
 
+from robophm.cli.shared.health_output import print_report
 from robophm.cli.shared.live_table import LiveTable
-from robophm.cli.shared.output import console, print_report, warn, write
+from robophm.cli.shared.output import console, warn, write
 from robophm.core.errors import RobophmError
 from robophm.core.signal import split_signal
 from robophm.design.file import example_design, load

@@ -13,13 +13,13 @@ from robophm.cli.shared.options import Design, Json, Store, time_option
 from robophm.cli.shared.output import console, print_json, print_table, table
 from robophm.cli.shared.stored_past import outlook_of
 from robophm.cli.shared.unused import refuse_unused
+from robophm.core.json_values import plain
 from robophm.design.file import load
 from robophm.design.robot import Robot
 from robophm.health.effects import fault_chances
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
-from robophm.health.report import plain
 from robophm.health.unknown_rates import marks, named, unknown_in_parts
 from robophm.interface.faults import AddedSensors, added_sensors
 from robophm.learning.diagnosis.coverage_matrix import coverage, read_sensors, undetected_modes

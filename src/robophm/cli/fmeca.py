@@ -13,10 +13,10 @@ from robophm.cli.shared.options import Design, Force, Json, time_option
 from robophm.cli.shared.output import console, may_make, print_json, print_table, table, write
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError
+from robophm.core.json_values import plain
 from robophm.design.file import load
 from robophm.design.robot import Robot
 from robophm.health.effects import Effect, check_severities
-from robophm.health.report import plain
 from robophm.interface.faults import fmeca
 from robophm.report.fmeca_page import effect_text, fmeca_csv, fmeca_page, unknown_words
 from robophm.report.words import more_text, number_text

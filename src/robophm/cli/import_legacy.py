@@ -11,9 +11,9 @@ import typer
 from robophm.cli.shared.options import Force, Json
 from robophm.cli.shared.output import console, may_write, print_json, print_table, table, warn, write
 from robophm.core.errors import RobophmError
+from robophm.core.json_values import plain
 from robophm.design.importers.legacy.reading import import_legacy
 from robophm.health.legacy_comparison import HOURS, Comparison, comparisons
-from robophm.health.report import plain
 from robophm.report.words import number_text, percent_text, rate_text
 
 

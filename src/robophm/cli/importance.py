@@ -17,6 +17,7 @@ from robophm.cli.shared.output import console, print_json, print_table, table
 from robophm.cli.shared.stored_past import kept
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError, nearest
+from robophm.core.json_values import plain
 from robophm.design.build_task import with_knowledge
 from robophm.design.file import load
 from robophm.design.robot import Robot
@@ -26,7 +27,7 @@ from robophm.health.importance import Importances, of_tree
 from robophm.health.ledger import Ledger
 from robophm.health.outlooks import FutureName, View, outlooks
 from robophm.health.replacement import Replacements
-from robophm.health.report import VIEWS, plain
+from robophm.health.report import VIEWS
 from robophm.health.what_matters import what_matters
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.seen_wear import seen_wear

@@ -15,6 +15,7 @@ from robophm.cli.shared.options import Force, Json
 from robophm.cli.shared.output import console, may_make, may_write, print_json, progress_console, warn
 from robophm.cli.shared.progress import counted
 from robophm.core.errors import RobophmError
+from robophm.core.json_values import plain
 from robophm.design.file import parse, read, write_text
 from robophm.drafting.answers import Answers, asked
 from robophm.drafting.composing import Change, change_of
@@ -22,7 +23,6 @@ from robophm.drafting.drafting import Draft, drafted, evidence
 from robophm.drafting.first_look import FirstLook, first_look, part_figures
 from robophm.drafting.updating import Outcome, Updated, updated
 from robophm.drafting.writing import ASSUMPTIONS, TASKS, with_earlier, write_beside
-from robophm.health.report import plain
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,9 @@ from typing import Annotated, Any
 import typer
 
 from robophm.cli import BREACHED
+from robophm.cli.shared.health_output import print_parts, print_report
 from robophm.cli.shared.options import Design, Draws, Failed, Future, Horizon, Json, Store, Unit, Working, horizon_of
-from robophm.cli.shared.output import print_json, print_parts, print_report
+from robophm.cli.shared.output import print_json
 from robophm.cli.shared.stored_past import check_draws, kept
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError

@@ -10,8 +10,9 @@ from typing import Annotated
 import typer
 
 from robophm.cli import BREACHED
+from robophm.cli.shared.health_output import print_report
 from robophm.cli.shared.options import Design, GrowingStore, Horizon, Json, SkipMissing, Unit, horizon_of
-from robophm.cli.shared.output import console, may_write, print_json, print_report, progress_console, warn, write
+from robophm.cli.shared.output import console, may_write, print_json, progress_console, warn, write
 from robophm.cli.shared.progress import progress
 from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.unused import refuse_unused

@@ -8,8 +8,9 @@ from typing import Annotated
 import typer
 
 from robophm.cli import BREACHED
+from robophm.cli.shared.health_output import print_unknown
 from robophm.cli.shared.options import Design, Force, Horizon, Store, horizon_of
-from robophm.cli.shared.output import console, may_make, print_unknown, warn, write
+from robophm.cli.shared.output import console, may_make, warn, write
 from robophm.cli.shared.stored_past import files_of, kept
 from robophm.design.file import load
 from robophm.monitoring.monitor import Monitor

@@ -11,19 +11,11 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from robophm.cli.shared.health_output import print_failures_to_come, print_unknown
 from robophm.cli.shared.options import ChanceSeed, Design, Horizon, Json, Legacy, Unit, horizon_of, time_option
-from robophm.cli.shared.output import (
-    console,
-    estimate_text,
-    may_write,
-    print_failures_to_come,
-    print_json,
-    print_table,
-    print_unknown,
-    table,
-    write,
-)
+from robophm.cli.shared.output import console, estimate_text, may_write, print_json, print_table, table, write
 from robophm.cli.shared.unused import refuse_unused
+from robophm.core.json_values import plain
 from robophm.design.file import load
 from robophm.design.importers.legacy.figures import legacy_rate, legacy_reliability
 from robophm.design.robot import Robot
@@ -32,7 +24,6 @@ from robophm.health.monte_carlo import survival_by_monte_carlo
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
-from robophm.health.report import plain
 from robophm.health.unknown_rates import marked, marks, unknown
 from robophm.health.when_new import NominalFigures, hazard_rates, nominal_figures
 from robophm.report.dependence import dependence

@@ -13,8 +13,9 @@ from rich.console import Console
 
 from robophm.cli import BREACHED
 from robophm.cli.shared import task_recording
+from robophm.cli.shared.health_output import print_wear
 from robophm.cli.shared.options import Design, Draws, Failed, Future, Json, Legacy, SkipMissing, Store, Working
-from robophm.cli.shared.output import console, print_json, print_table, print_wear, progress_console, table, warn
+from robophm.cli.shared.output import console, print_json, print_table, progress_console, table, warn
 from robophm.cli.shared.progress import counted
 from robophm.cli.shared.stored_past import check_draws, kept
 from robophm.cli.shared.task_words import stated_speed

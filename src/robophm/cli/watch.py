@@ -19,18 +19,20 @@ from rich.console import Console
 from rich.live import Live
 
 from robophm.cli import BREACHED
+from robophm.cli.shared.health_output import print_report
 from robophm.cli.shared.live_table import LiveTable
 from robophm.cli.shared.options import Design, GrowingStore, Json, Notify, Unit, Via
-from robophm.cli.shared.output import console, may_write, print_json, print_report, warn
+from robophm.cli.shared.output import console, may_write, print_json, warn
 from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.task_words import stated_speed
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.counted_notes import ordinary, said
+from robophm.core.json_values import plain
 from robophm.core.supervisor import Supervisor
 from robophm.design.file import load
 from robophm.design.robot import Robot
 from robophm.health.alarms import Alarm
-from robophm.health.report import HealthReport, plain
+from robophm.health.report import HealthReport
 from robophm.health.unknown_rates import marked, marks
 from robophm.monitoring.alarm_watch import AlarmWatch
 from robophm.monitoring.live_loop import watch

@@ -12,8 +12,9 @@ import typer
 from robophm.calibration.backtested_wear import lives_of
 from robophm.calibration.predictions import lives_text
 from robophm.cli import BREACHED
+from robophm.cli.shared.health_output import print_unknown
 from robophm.cli.shared.options import Design, Json, Store
-from robophm.cli.shared.output import console, may_write, print_json, print_unknown, progress_console, warn, write
+from robophm.cli.shared.output import console, may_write, print_json, progress_console, warn, write
 from robophm.cli.shared.progress import counted
 from robophm.cli.shared.stored_past import kept
 from robophm.cli.shared.unused import refuse_unused

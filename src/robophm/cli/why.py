@@ -10,9 +10,9 @@ from robophm.cli import BREACHED
 from robophm.cli.shared.options import Design, Future, Horizon, Json, Store, horizon_of
 from robophm.cli.shared.output import console, print_json
 from robophm.cli.shared.stored_past import kept
+from robophm.core.json_values import plain
 from robophm.design.file import load
 from robophm.health.outlooks import FutureName
-from robophm.health.report import plain
 from robophm.health.why import explain
 from robophm.monitoring.monitor import Monitor
 from robophm.report.why import reasons, sentence

@@ -1,7 +1,7 @@
 """Units at the edges: what a user writes becomes the one unit used inside (h, 1/h, km, °C, V …).
 
-Inside robophm every number is in the unit that its docstring states; pint is loaded only here, and only when
-a text with a unit is read.
+Inside robophm every number is in the unit that its docstring states. pint is loaded only here, and only for units
+that are not among the usual ones: it takes a third of a second to load, which is longer than most commands work.
 """
 
 from __future__ import annotations
@@ -39,6 +39,29 @@ class Conversion(NamedTuple):
     offset: float
 
 
+_USUAL = {
+    **{(unit, unit): Conversion(1.0, 0.0) for unit in (
+        "", "h", "s", "min", "m", "km", "m/s", "km/h", "V", "A", "W", "N", "N*m", "eV", "degC", "delta_degC", "cycle",
+        "1/h", "1/km", "1/m", "1/cycle", "1/start", "cycle/h", "start/h", "rad", "rad/s", "Pa")},
+    **{(f"/{unit}", f"1/{unit}"): Conversion(1.0, 0.0) for unit in ("h", "km", "m", "cycle", "start")},
+    **{(written, inside): Conversion(scale, 0.0) for inside, scales in {
+        "": {"%": 0.01, "percent": 0.01},
+        "h": {"s": 1 / 3600, "min": 1 / 60, "hour": 1.0, "hours": 1.0, "day": 24.0, "days": 24.0, "week": 168.0,
+              "weeks": 168.0, "month": 730.5, "months": 730.5, "year": 8766.0, "years": 8766.0},
+        "s": {"ms": 1e-3, "min": 60.0, "h": 3600.0},
+        "1/h": {"FIT": 1e-9, "FPMH": 1e-6, "/10^6 h": 1e-6, "per hour": 1.0},
+        "FPMH": {"1/h": 1e6},
+        "m": {"km": 1e3},
+        "km": {"m": 1e-3},
+        "m/s": {"km/h": 1 / 3.6},
+        "delta_degC": {"K": 1.0},
+    }.items() for written, scale in scales.items()},
+    ("°C", "degC"): Conversion(1.0, 0.0),
+    ("K", "degC"): Conversion(1.0, -273.15),
+}  # fmt: skip
+"""What pint makes of the usual pairs of a written unit and the one used inside."""
+
+
 def _registry() -> UnitRegistry[Any]:
     with _MAKING:  # units of two registries cannot be compared, so that threads must share one
         return _made()
@@ -65,6 +88,10 @@ def conversion(written: str, inside: str) -> Conversion:
 
     Raises UnitError where either is no unit, or where they measure different things.
     """
+    return _USUAL.get((written, inside)) or _of_pint(written, inside)
+
+
+def _of_pint(written: str, inside: str) -> Conversion:
     import pint
 
     if inside in _TEMPERATURES and (meant := _MISTAKEN.get(written.casefold())):

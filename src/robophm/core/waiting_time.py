@@ -15,6 +15,9 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 Curve = Callable[[Array], tuple[Array, Array]]
 
+LONGEST = 1e9
+"""The longest time ahead that may be asked about [h]; it replaces a median remaining life that is longer."""
+
 _DECADES = np.concatenate((np.arange(-250.0, -30, 10), np.arange(-30.0, 30), np.arange(30.0, 251, 10)))
 _USUAL = np.arange(-3.0, 9.0)  # in hours, what robots last
 _MOST_PANELS = 300  # that are rough: beyond it the curve is a staircase

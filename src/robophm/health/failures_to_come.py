@@ -12,15 +12,13 @@ import numpy.typing as npt
 from robophm.blocks.diagram import Block
 from robophm.blocks.importance import barlow_proschan
 from robophm.core.argument_checks import number
+from robophm.core.waiting_time import LONGEST
 from robophm.health.outlooks import View
 from robophm.health.prognosis import Outlook
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 from robophm.health.worn import believed
 
 Array = npt.NDArray[np.float64]
-
-LONGEST = 1e9
-"""The longest horizon [h of calendar time]; it replaces a median remaining life that is longer."""
 
 _TOLERANCE = 1e-6  # of a share
 

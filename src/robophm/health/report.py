@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
@@ -15,6 +14,7 @@ import numpy.typing as npt
 from robophm.blocks.diagram import Block
 from robophm.core.argument_checks import numbers, one_of
 from robophm.core.html_table import html_table
+from robophm.core.json_values import plain
 from robophm.design.robot import Robot
 from robophm.design.task import Task
 from robophm.design.task_checks import check_task
@@ -283,14 +283,3 @@ def _shaped(curve: Callable[[Array], Array], hours: float | Sequence[float] | Ar
 def task_to_json(task: Task) -> dict[str, Any]:
     """Return a task as plain values for JSON."""
     return {"distance": task.distance, "duration": task.duration, **asdict(task)}
-
-
-def plain(value: Any) -> Any:
-    """Return values that JSON can hold: infinite numbers as the text "Infinity" or "-Infinity", NaN as None."""
-    if isinstance(value, dict):
-        return {key: plain(inner) for key, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(inner) for inner in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
-    return value

@@ -10,13 +10,13 @@ import numpy as np
 
 from robophm.core.argument_checks import number, one_of
 from robophm.core.signal import REORDERED
+from robophm.core.waiting_time import LONGEST
 from robophm.design.robot import FailureMode, Robot
 from robophm.design.task import Knowledge, Plan, Task
 from robophm.design.task_checks import check_knowledge, check_plan, check_task
 from robophm.health.doubtful_signals import Doubt, doubts
 from robophm.health.draws import check_draws
 from robophm.health.exposure import ExposureIntegrator
-from robophm.health.failures_to_come import LONGEST
 from robophm.health.ledger import Ledger
 from robophm.health.limits import SEVERITIES, limited_values
 from robophm.health.mission import completion, plan_future

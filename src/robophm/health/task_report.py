@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from math import fsum
 from typing import Any
 
+from robophm.core.json_values import plain
 from robophm.design.task import Plan, Task
 from robophm.health.draws import check_draws
 from robophm.health.exposure import ExposureIntegrator
@@ -21,7 +22,7 @@ from robophm.health.mission import (
 from robophm.health.outlooks import FutureName, View, outlooks
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
-from robophm.health.report import VIEWS, plain, task_to_json
+from robophm.health.report import VIEWS, task_to_json
 from robophm.health.uncertainty import DRAWS, SCENARIOS, CompletionUncertainty, completion_uncertainty, draw_loads
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 from robophm.health.worn import SeenWear

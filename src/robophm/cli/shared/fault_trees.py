@@ -12,12 +12,12 @@ from robophm.blocks.listed_sets import ListedSets
 from robophm.blocks.top_event import TopEvent
 from robophm.cli.shared.output import console, print_table, table
 from robophm.core.errors import StructureError
+from robophm.core.json_values import plain
 from robophm.design.importers.open_psa import Model, load
 from robophm.design.robot import Robot
 from robophm.health.fault_tree import fault_tree
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
-from robophm.health.report import plain
 from robophm.health.unknown_rates import PartsOfUnknownRate
 from robophm.report.minimal_sets import counted, left_out
 from robophm.report.words import number_text

@@ -10,7 +10,7 @@ from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderR
 from rich.measure import Measurement
 from rich.text import Text
 
-from robophm.cli.shared.output import COURSE, health_table, mark_lines
+from robophm.cli.shared.health_output import COURSE, health_table, mark_lines
 from robophm.health.report import HealthReport
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.wear_watch import GROWTH, WearWatch

@@ -13,7 +13,7 @@ from robophm.core.argument_checks import number
 from robophm.core.errors import RobophmError, StoreError, UnitError
 from robophm.core.signal import SECOND
 from robophm.core.units import quantity
-from robophm.health.failures_to_come import LONGEST
+from robophm.core.waiting_time import LONGEST
 from robophm.report.words import rate_text
 
 
@@ -24,9 +24,6 @@ def _known_unit(unit: str) -> str:
         raise typer.BadParameter(str(error)) from None
     return unit
 
-
-LONGEST_TIME = 1e9
-"""Hours of operation that an option may state."""
 
 Design = Annotated[Path, typer.Argument(help="the robot's design file", metavar="ROBOT.YAML")]
 
@@ -101,9 +98,9 @@ def operating_time(option: str, text: str | float, *, above: bool = False) -> fl
             hours = quantity(str(text), "h")
         except UnitError as error:
             raise RobophmError(f"{option}: {error}") from None
-    if not 0 <= hours <= LONGEST_TIME or (above and hours == 0):
+    if not 0 <= hours <= LONGEST or (above and hours == 0):
         least = "above 0" if above else "of at least 0"
-        raise RobophmError(f"{option} {text}: expected hours {least}, at most {LONGEST_TIME:g}, e.g. 50, or '2 week'")
+        raise RobophmError(f"{option} {text}: expected hours {least}, at most {LONGEST:g}, e.g. 50, or '2 week'")
     return hours
 
 

@@ -10,12 +10,13 @@ from pydantic import Field
 
 from robophm.blocks.diagram import Block
 from robophm.core.errors import DesignError, nearest
+from robophm.core.json_values import plain
 from robophm.drafting.first_look import look_at
 from robophm.health.curve_span import curve_span
 from robophm.health.fault_tree import fault_tree
 from robophm.health.importance import LIFELONG, LONGEST, Drawn, importances, usual_hours
 from robophm.health.prognosis import Outlook
-from robophm.health.report import VIEWS, plain
+from robophm.health.report import VIEWS
 from robophm.health.unknown_rates import unknown
 from robophm.report.first_look import advice, figure_rows
 from robophm.report.minimal_sets import MOST_PARTS, STEPS, counted, left_out

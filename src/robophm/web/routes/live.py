@@ -13,8 +13,8 @@ from starlette.websockets import WebSocketDisconnect, WebSocketState
 
 from robophm.core.signal import SECOND, signal_name, split_signal
 from robophm.core.units import conversion
+from robophm.core.waiting_time import LONGEST
 from robophm.design.robot import Robot
-from robophm.health.failures_to_come import LONGEST
 from robophm.health.reporting import health_report
 from robophm.health.why import explain
 from robophm.transports.signals.message_units import field_unit

@@ -5,7 +5,6 @@ from __future__ import annotations
 from math import log
 
 import numpy as np
-from scipy.special import gamma
 
 from robophm.core.table import Source
 from robophm.hazard.model import Array, Factor, Note, Range
@@ -18,5 +17,7 @@ NOTE = Note("who states it, and for which load")
 def rate_of_b10(b10: Array, shape: Array, source: str) -> Factor:
     """1/mean of the Weibull distribution of that shape of which a tenth have failed at B10."""
     life = (-log(0.9)) ** (1 / np.asarray(shape)) / np.abs(b10)
+    from scipy.special import gamma  # takes a fifth of a second to load
+
     share = 1 / gamma(1 + 1 / np.asarray(shape))
     return Factor("1/η", life, f"scale at which 10 % have failed: {source}") * Factor("1/Γ(1 + 1/β)", share, "Weibull")
