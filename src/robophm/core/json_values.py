@@ -1,4 +1,4 @@
-"""Numbers that JSON does not have."""
+"""Plain values that JSON can hold, which knows no number that is infinite or none."""
 
 from __future__ import annotations
 
