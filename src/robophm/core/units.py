@@ -59,7 +59,7 @@ _USUAL = {
     ("°C", "degC"): Conversion(1.0, 0.0),
     ("K", "degC"): Conversion(1.0, -273.15),
 }  # fmt: skip
-"""What pint makes of the usual pairs of a written unit and the one used inside."""
+"""The conversions of the usual pairs of a written unit and the one used inside, as pint makes them."""
 
 
 def _registry() -> UnitRegistry[Any]:

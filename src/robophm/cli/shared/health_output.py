@@ -1,4 +1,4 @@
-"""What a robot's health looks like on a terminal: the table of its figures, and all that qualifies them."""
+"""A robot's health on a terminal: the table of its figures, and all that qualifies them."""
 
 from __future__ import annotations
 
