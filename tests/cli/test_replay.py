@@ -123,7 +123,7 @@ def test_a_store_that_is_none(inside, design, recording, tmp_path):
     other.close()
     for name, says in (
         ("text.db", "text.db: file is not a database"),
-        ("other.db", "other.db: not a robophm store of version 3"),
+        ("other.db", "other.db: not a robophm store of version 4"),
         (".", "unable to open database file"),
         ("no/folder/past.db", "unable to open database file"),
     ):

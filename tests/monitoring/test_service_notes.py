@@ -20,7 +20,7 @@ from typing import Any
 
 import pytest
 
-from robophm.core.errors import RobophmError
+from robophm.core.errors import RobophmError, StoreError
 from robophm.core.signal import CLOCK, SECOND, Sample
 from robophm.design.file import parse
 from robophm.health.ledger import Service
@@ -227,12 +227,18 @@ def test_requests_are_taken_in_order_and_once_and_refused_in_words(held: SqliteS
         note_service(held.path, ROBOT, ServiceNote("motr"))
 
 
-def test_a_request_that_is_not_as_it_was_left_is_never_done(held: SqliteStore) -> None:
-    requests = held.service_requests(ROBOT.identity)
-    requests.leave(ServiceRequest("a", ServiceNote("motor", 0.5).to_json()))
-    with closing(sqlite3.connect(held.path)) as base, base:
-        base.execute("UPDATE service_request SET asked = replace(asked, '0.5', '0.7')")
-    assert requests.waiting() == []
+def test_a_request_that_is_not_as_it_was_left_is_never_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(live_loop, "NOTES_EVERY", 0.0)
+    with SqliteStore(tmp_path / "past.db") as store:
+        requests = store.service_requests(ROBOT.identity)
+        requests.leave(ServiceRequest("a", ServiceNote("motor", 0.5).to_json()))
+        with closing(sqlite3.connect(store.path)) as base, base:
+            base.execute("UPDATE service_request SET asked = replace(asked, '0.5', '0.7')")
+        with pytest.raises(StoreError, match="the service_request a of R is damaged: its checksum is another"):
+            requests.waiting()
+        source = Running(steps=20)
+        watch(ROBOT, source, store=store)  # which goes on without it, and says so
+    assert any(one.startswith("services that are asked for cannot be read: ") for one in source.notes)
 
 
 def test_where_there_is_no_room_it_is_noted_once_there_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -125,7 +125,7 @@ def node(manager: Manager, tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
 
 
 def spoken(journal: Path) -> int:
-    return journal.read_text().count(" /motor.temperature\n") if journal.exists() else 0
+    return journal.read_text().count(" /motor.temperature ") if journal.exists() else 0
 
 
 def test_it_watches_while_it_is_active(node: subprocess.Popen[str], manager: Manager, tmp_path: Path) -> None:

@@ -227,8 +227,8 @@ def torn_state(path: Path) -> None:
 NOT_STORES: dict[str, tuple[Callable[[Path], object], str]] = {
     "text": (lambda path: path.write_text("name: OTA\n" * 100), "not a database"),
     "folder": (lambda path: path.mkdir(), "unable to open"),
-    "other tables": (other_tables, "not a robophm store of version 3 .its version is 0"),
-    "later version": (later_version, "of version 4, of a newer robophm; this one knows up to version 3"),
+    "other tables": (other_tables, "not a robophm store of version 4 .its version is 0"),
+    "later version": (later_version, "of version 5, of a newer robophm; this one knows up to version 4"),
     "torn": (torn_state, "the ledger of R is damaged: its checksum is another; robophm store repair goes back"),
     "no folder": (lambda _: None, "unable to open"),
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import json
 import sqlite3
+import zlib
 from collections import Counter
 from contextlib import closing, suppress
 from pathlib import Path
@@ -19,6 +20,7 @@ from robophm.design.file import load
 from robophm.health.ledger import Ledger
 from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
+from robophm.stores.service_requests import ServiceRequest
 from robophm.stores.sqlite import SqliteStore
 from robophm.stores.store import Progress
 from robophm.transports.recordings.journal import JournalRecording
@@ -47,13 +49,20 @@ def rows(path: Path, query: str) -> list[Any]:
         return base.execute(query).fetchall()
 
 
+def reports_of(path: Path) -> str:
+    """The name of the table of reports: their bodies are compressed in a later one."""
+    ((name,),) = rows(path, "SELECT name FROM sqlite_schema WHERE name IN ('report', 'kept_report')")
+    return str(name)
+
+
 def test_there_is_one_of_each() -> None:
-    assert len(STORES) == 4
+    assert len(STORES) == 5
 
 
 def test_all_that_was_kept_is_there(kept: Path) -> None:
     ((before,),) = rows(kept, "SELECT state FROM ledger WHERE robot = 'R'")
-    reports = [json.loads(body) for (body,) in rows(kept, "SELECT body FROM report ORDER BY time")]
+    bodies = [body for (body,) in rows(kept, f"SELECT body FROM {reports_of(kept)} ORDER BY time")]
+    reports = [json.loads(zlib.decompress(body) if isinstance(body, bytes) else body) for body in bodies]
     done = rows(kept, "SELECT recording, complete FROM progress")
     with SqliteStore(kept) as store:
         assert store.ledger("R") == json.loads(before)
@@ -61,7 +70,7 @@ def test_all_that_was_kept_is_there(kept: Path) -> None:
         assert [(name, int(store.progress("R", name).complete)) for name, _ in done] == done
     with SqliteStore(kept) as store:  # and is so when it is opened again
         assert store.ledger("R") == json.loads(before)
-    assert rows(kept, "PRAGMA user_version") == [(3,)]
+    assert rows(kept, "PRAGMA user_version") == [(4,)]
 
 
 def test_it_is_gone_on_with(kept: Path, tmp_path: Path) -> None:
@@ -97,6 +106,28 @@ def test_a_recording_that_was_replayed_then_counts_no_second_time(kept: Path, tm
     assert now["totals"] == before["totals"]
 
 
+def test_alarms_and_requests_of_a_version_3_are_there(tmp_path: Path) -> None:
+    """A request that was damaged, which its checksum there tells, is not."""
+    path = tmp_path / "past.db"
+    path.write_bytes(gzip.decompress((FORMATS / "store_3_ledger_2.db.gz").read_bytes()))
+    with SqliteStore(path) as store:
+        found = {one["what"]: one for one in store.alarm_log("R").alarms()}
+        assert {name: (one["number"], one["begin"], one["end"]) for name, one in found.items()} == {
+            "hot": (1, (BEGIN + 5) * SECOND, None),
+            "cold": (2, (BEGIN + 9) * SECOND, (BEGIN + 12) * SECOND),
+            "loud": (3, (BEGIN + 30) * SECOND, None),
+        }
+        assert [one["acknowledged_by"] for one in found.values() if one["acknowledged_at"] is not None] == ["Ada"]
+        requests = store.service_requests("R")
+        assert requests.waiting() == [ServiceRequest("second", {"part": "motor", "by": "Ada"})]
+        assert requests.answer("first") == {"done": []}
+    path.write_bytes(gzip.decompress((FORMATS / "store_3_ledger_2.db.gz").read_bytes()))
+    with closing(sqlite3.connect(path)) as base, base:
+        base.execute("""UPDATE service_request SET asked = '{"part": "rotor"}' WHERE key = 'second'""")
+    with SqliteStore(path) as store:
+        assert store.service_requests("R").waiting() == []
+
+
 def test_a_journal_is_read(tmp_path: Path) -> None:
     source = JournalRecording(FORMATS / "journal_1.journal")
     heard = Counter(sample.signal for sample in source.samples(["/motor.temperature"]))
@@ -105,7 +136,8 @@ def test_a_journal_is_read(tmp_path: Path) -> None:
 
 
 def test_a_move_that_ends_on_the_way_leaves_the_store_as_it_was(kept: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    before = rows(kept, "SELECT * FROM ledger"), rows(kept, "SELECT * FROM report"), rows(kept, "PRAGMA user_version")
+    name = reports_of(kept)
+    before = rows(kept, "SELECT * FROM ledger"), rows(kept, f"SELECT * FROM {name}"), rows(kept, "PRAGMA user_version")
 
     def full(*_: object) -> None:
         raise sqlite3.OperationalError("database or disk is full")
@@ -113,7 +145,7 @@ def test_a_move_that_ends_on_the_way_leaves_the_store_as_it_was(kept: Path, monk
     monkeypatch.setattr("robophm.stores.migration.make_tables", full)
     with pytest.raises(StoreError, match="disk is full"):
         SqliteStore(kept)
-    now = rows(kept, "SELECT * FROM ledger"), rows(kept, "SELECT * FROM report"), rows(kept, "PRAGMA user_version")
+    now = rows(kept, "SELECT * FROM ledger"), rows(kept, f"SELECT * FROM {name}"), rows(kept, "PRAGMA user_version")
     assert now == before
 
 

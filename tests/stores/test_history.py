@@ -316,7 +316,7 @@ def test_a_store_of_version_2_becomes_what_it_would_be_now(
         assert store.history("S").figures().times.tolist() == now.history("R").figures().times.tolist()
         store.save("R", {"n": 1})
     assert caplog.messages == [
-        f"a store of version 2 becomes one of version 3: {n} of 3600 reports" for n in (1000, 2300, 3300)
+        f"a store of version 2 becomes one of version 4: {n} of 3600 reports" for n in (1000, 2300, 3300)
     ]
     assert path.stat().st_size < large
     with SqliteStore(path) as store:

@@ -227,7 +227,7 @@ def test_a_store_of_another_version_is_refused_in_words(cart: Path) -> None:
         store._base.execute("PRAGMA user_version = 99")
     lines, words = said_at_start(cart)
     assert lines == ["", ""]
-    assert "a robophm store of version 99, of a newer robophm; this one knows up to version 3" in words
+    assert "a robophm store of version 99, of a newer robophm; this one knows up to version 4" in words
 
 
 MAY_NOT_WRITE = ["setpriv", *(f"--{which}=-dac_override,-dac_read_search" for which in ("bounding-set", "inh-caps"))]

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import ExitStack, nullcontext, suppress
 from dataclasses import dataclass
 
-from robophm.core.errors import SourceError
+from robophm.core.errors import SourceError, StoreError
 from robophm.core.signal import CLOCK, REORDERED, SECOND, Sample
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
@@ -189,7 +189,12 @@ class _Watch:
         It happens between two samples, as it would if watching had ended and begun again here.
         """
         requests = requests_in(self.store, self.robot) if self.store else None
-        if requests and (waiting := requests.waiting()):
+        waiting = []
+        try:
+            waiting = requests.waiting() if requests else []
+        except StoreError as error:  # of what others leave nothing may end the watch
+            self._unkept[f"services that are asked for cannot be read: {error}"] += 1
+        if waiting:
             ledger, answers = taken_in(self.robot, self._monitor.ledger, waiting)
             with suppress(WithdrawnError):
                 if self._save(ledger, answers):

@@ -31,14 +31,14 @@ class CheckedTable(NamedTuple):
     key: tuple[str, ...]
     """Names and types of the columns beside the robot by which a row is found."""
     values: tuple[str, ...]
-    """Names and types of the other columns."""
+    """Names and types of the other columns; ``NULL`` behind the type of those that may have no value."""
 
     @property
     def statement(self) -> str:
         """Return the SQL that makes it. Checksums come before values, which are long."""
         columns = [*self.key, "sum INTEGER", *self.values]
         names = ", ".join(["robot", *_names(self.key)])
-        made = ", ".join(f"{column} NOT NULL" for column in ("robot TEXT", *columns))
+        made = ", ".join(one if one.endswith(" NULL") else f"{one} NOT NULL" for one in ("robot TEXT", *columns))
         return f"CREATE TABLE {self.name} ({made}, PRIMARY KEY ({names})) STRICT, WITHOUT ROWID"
 
     def get(self, base: sqlite3.Connection, robot: str, *key: Any) -> tuple[Any, ...] | None:
@@ -83,6 +83,11 @@ class CheckedTable(NamedTuple):
             base.execute(f"INSERT OR REPLACE INTO {self.name} VALUES ({marks})", (robot, *key, new, *values))
             count, sums = count + (before is None), sums ^ new ^ (_whole(before[0]) if before else 0)
         know(base, self.name, robot, count, sums)
+
+    def next_number(self, base: sqlite3.Connection) -> int:
+        """Return a number above all in the column ``number``, of all robots."""
+        found: int = base.execute(f"SELECT ifnull(max(number), 0) + 1 FROM {self.name}").fetchone()[0]
+        return found
 
     def drop(self, base: sqlite3.Connection, robot: str, where: str, *given: Any) -> None:
         """Let go of a robot's rows of which an SQL condition holds; within a transaction."""

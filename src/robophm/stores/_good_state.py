@@ -13,9 +13,8 @@ from typing import Any
 from robophm.core.errors import StoreError
 from robophm.core.files import sync_folder, write_atomically
 from robophm.stores._checked_rows import CheckedTable
-from robophm.stores._tables import EVENT, LEDGER, PROGRESS, REPORT, TABLES, make_tables
+from robophm.stores._tables import LEDGER, PROGRESS, TABLES, make_tables
 from robophm.stores.pyramid import Pyramid
-from robophm.stores.sqlite_alarms import alarms_are_sound, carry_over
 from robophm.stores.store import Restored
 
 KEEP_EVERY = 3600.0
@@ -83,10 +82,9 @@ def _write(path: Path, found: Mapping[str, Rows], damaged: sqlite3.Connection) -
         for robot, rows in found.items():
             for table in (LEDGER, PROGRESS):
                 table.put(base, robot, rows[table.name])
-            for table in (REPORT, EVENT):
+            for table in TABLES[2:]:
                 table.put(base, robot, _sound_rows(table, damaged, robot))
             Pyramid(base).take_rows(robot, Pyramid(damaged).sound_rows(robot))
-        carry_over(damaged, base)
         base.execute("COMMIT")
 
 
@@ -94,13 +92,14 @@ def _is_sound(base: sqlite3.Connection) -> bool:
     try:
         if base.execute("PRAGMA integrity_check(1)").fetchone() != ("ok",):
             return False
-        for robot in LEDGER.robots(base):
-            for table in TABLES:
+        for table in TABLES:
+            for robot in table.robots(base):
                 table.check(base, robot)
                 for _ in table.rows(base, robot):
                     pass
+        for robot in LEDGER.robots(base):
             Pyramid(base).check(robot)
-        return alarms_are_sound(base)
+        return True
     except (sqlite3.Error, StoreError, ValueError):
         return False
 

@@ -6,7 +6,7 @@ import sqlite3
 
 from robophm.stores._checked_rows import CONTENT, CheckedTable
 
-VERSION = 3
+VERSION = 4
 """Version of the tables; kept in the file's user_version."""
 
 LEDGER = CheckedTable("ledger", (), ("revision INTEGER", "state TEXT"))
@@ -14,7 +14,12 @@ PROGRESS = CheckedTable("progress", ("recording TEXT",), ("position INTEGER", "c
 REPORT = CheckedTable("kept_report", ("time INTEGER",), ("body BLOB",))
 """Whole reports, as JSON that is compressed."""
 EVENT = CheckedTable("event", ("time INTEGER", "kind TEXT", "subject TEXT"), ("said TEXT",))
-TABLES = (LEDGER, PROGRESS, REPORT, EVENT)
+ALARM = CheckedTable(
+    "alarm", ("what TEXT", "begin INTEGER"),
+    ("number INTEGER", "ended INTEGER NULL", "acknowledged_by TEXT", "acknowledged_at INTEGER NULL", "body TEXT"),
+)  # fmt: skip
+REQUEST = CheckedTable("service_request", ("key TEXT",), ("number INTEGER", "asked TEXT", "answer TEXT NULL"))
+TABLES = (LEDGER, PROGRESS, REPORT, EVENT, ALARM, REQUEST)
 
 FIGURES = """CREATE TABLE figures (
     robot INTEGER NOT NULL, width INTEGER NOT NULL, start INTEGER NOT NULL, body BLOB NOT NULL,
@@ -35,7 +40,7 @@ def names_in(base: sqlite3.Connection) -> set[str]:
 
 
 def make_tables(base: sqlite3.Connection) -> None:
-    """Make all tables, within a transaction."""
+    """Make all tables that are not there, within a transaction."""
     for statement in (CONTENT, FIGURES, *(table.statement for table in TABLES)):
-        base.execute(statement)
+        base.execute(statement.replace("CREATE TABLE", "CREATE TABLE IF NOT EXISTS"))
     base.execute(f"PRAGMA user_version = {VERSION}")

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import json
 import sqlite3
-import zlib
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from typing import Any, NamedTuple
 
 from robophm.core.errors import StoreError
+from robophm.stores._checked_rows import known
+from robophm.stores._tables import REQUEST
 
 MOST_ANSWERED = 1000
 """Answered requests that are kept of a robot, so that one that is left again is not done again."""
-
-_TABLE = """CREATE TABLE IF NOT EXISTS service_request (
-    number INTEGER PRIMARY KEY AUTOINCREMENT, robot TEXT NOT NULL, key TEXT NOT NULL, sum INTEGER NOT NULL,
-    asked TEXT NOT NULL, answer TEXT, UNIQUE (robot, key)
-) STRICT"""
 
 
 class WithdrawnError(StoreError):
@@ -32,55 +28,48 @@ class ServiceRequest(NamedTuple):
 
 
 class ServiceRequests:
-    """The requests of one robot in a SQLite file, in a table that is made with the first.
+    """The requests of one robot in a SQLite file.
 
     Who asks may be another process than who answers. An answer is kept in the transaction that keeps the ledger, so
     that a request is done and answered, or neither, however either process ends.
     """
 
     def __init__(
-        self, base: sqlite3.Connection, robot: str, errors: Callable[[], AbstractContextManager[None]]
-    ) -> None:
-        """``base``: the open file; ``errors``: what turns its errors into those of stores."""
-        self._base, self._robot, self._errors = base, robot, errors
+        self, base: sqlite3.Connection, robot: str, reading: Callable[[], AbstractContextManager[None]],
+        writing: Callable[[], AbstractContextManager[None]],
+    ) -> None:  # fmt: skip
+        """``base``: the open file; ``reading``: what has all that is read be of one moment; ``writing``: is kept."""
+        self._base, self._robot, self._reading, self._writing = base, robot, reading, writing
 
     def leave(self, request: ServiceRequest) -> None:
         """Leave a request; one whose identity is known already changes nothing. Raises StoreError."""
-        asked = json.dumps(request.asked)
-        row = self._robot, request.key, _sum(self._robot, request.key, asked), asked
-        with self._errors():
-            self._base.execute(_TABLE)
-            self._base.execute(
-                "INSERT OR IGNORE INTO service_request (robot, key, sum, asked) VALUES (?, ?, ?, ?)", row
-            )
+        with self._writing():
+            if REQUEST.get(self._base, self._robot, request.key) is None:
+                row = request.key, REQUEST.next_number(self._base), json.dumps(request.asked), None
+                REQUEST.put(self._base, self._robot, [row])
 
     def waiting(self) -> list[ServiceRequest]:
-        """Return the requests that nobody has answered, in the order in which they were left. Raises StoreError.
+        """Return the requests that nobody has answered, in the order in which they were left.
 
-        One that is not as it was left, which its checksum tells, is not among them, and so is never done.
+        Raises StoreError, also where one is not as it was left, which its checksum tells: so it is never done.
         """
-        query = "SELECT key, sum, asked FROM service_request WHERE robot = ? AND answer IS NULL ORDER BY number"
-        return [
-            ServiceRequest(key, json.loads(asked))
-            for key, known, asked in self._rows(query, self._robot)
-            if known == _sum(self._robot, key, asked)
-        ]
+        with self._reading():
+            rows = REQUEST.rows(self._base, self._robot, "AND answer IS NULL ORDER BY number")
+            return [ServiceRequest(key, json.loads(asked)) for key, _, asked, _ in rows]
 
     def answer(self, key: str) -> dict[str, Any] | None:
         """Return the answer to a request; None where there is none yet. Raises StoreError."""
-        rows = self._rows("SELECT answer FROM service_request WHERE robot = ? AND key = ?", self._robot, key)
-        return json.loads(rows[0][0]) if rows and rows[0][0] is not None else None
+        with self._reading():
+            row = REQUEST.get(self._base, self._robot, key)
+        return json.loads(row[2]) if row and row[2] is not None else None
 
     def withdraw(self, key: str) -> bool:
         """Take a request back; whether it had not been answered, so that it never will be done. Raises StoreError."""
-        query = "DELETE FROM service_request WHERE robot = ? AND key = ? AND answer IS NULL RETURNING key"
-        return bool(self._rows(query, self._robot, key))
-
-    def _rows(self, query: str, *given: str) -> list[tuple[Any, ...]]:
-        with self._errors():
-            if not self._base.execute("SELECT 1 FROM sqlite_schema WHERE name = 'service_request'").fetchone():
-                return []
-            return self._base.execute(query, given).fetchall()
+        with self._writing():
+            row = REQUEST.get(self._base, self._robot, key)
+            if waits := row is not None and row[2] is None:
+                REQUEST.drop(self._base, self._robot, "key = ?", key)
+        return waits
 
 
 def keep_answers(base: sqlite3.Connection, robot: str, answers: Mapping[str, Mapping[str, Any]]) -> None:
@@ -89,12 +78,10 @@ def keep_answers(base: sqlite3.Connection, robot: str, answers: Mapping[str, Map
     Raises WithdrawnError where a request was withdrawn meanwhile: then none of it may be kept.
     """
     for key, said in answers.items():
-        query = "UPDATE service_request SET answer = ? WHERE robot = ? AND key = ? AND answer IS NULL RETURNING number"
-        if not base.execute(query, (json.dumps(said), robot, key)).fetchall():
+        row = REQUEST.get(base, robot, key)
+        if row is None or row[2] is not None:
             raise WithdrawnError(f"the request {key} was withdrawn")
-    old = "SELECT number FROM service_request WHERE robot = ? AND answer IS NOT NULL ORDER BY number DESC"
-    base.execute(f"DELETE FROM service_request WHERE number IN ({old} LIMIT -1 OFFSET ?)", (robot, MOST_ANSWERED))
-
-
-def _sum(robot: str, key: str, asked: str) -> int:
-    return zlib.crc32("\0".join((robot, key, asked)).encode())
+        REQUEST.put(base, robot, [(key, *row[:2], json.dumps(said))])
+    if known(base, REQUEST.name, robot)[0] > MOST_ANSWERED:
+        old = "SELECT key FROM service_request WHERE robot = ? AND answer IS NOT NULL ORDER BY number DESC"
+        REQUEST.drop(base, robot, f"key IN ({old} LIMIT -1 OFFSET ?)", robot, MOST_ANSWERED)

@@ -6,6 +6,7 @@ import json
 import math
 import os
 import sqlite3
+import threading
 import time
 import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -21,7 +22,7 @@ from robophm.stores._tables import LEDGER, PROGRESS, TABLES, VERSION
 from robophm.stores.alarm_log import AlarmLog
 from robophm.stores.events import Event
 from robophm.stores.kept_history import HistoryOf, KeptHistory
-from robophm.stores.migration import known_version, migrate
+from robophm.stores.migration import UNTHINNED, known_version, migrate
 from robophm.stores.service_requests import ServiceRequests, keep_answers
 from robophm.stores.sqlite_alarms import SqliteAlarms
 from robophm.stores.store import HeldError, History, NoRoomError, Progress, Restored, Store, TakesRequests
@@ -41,6 +42,8 @@ class SqliteStore(Store, TakesRequests):
         self.path = Path(where)
         self._good_at: float | None = None
         """When the good state beside it was kept, on the clock of ``time.monotonic``; None: nothing was saved yet."""
+        self._turn = threading.RLock()
+        """Held for a transaction: threads that share a store take turns."""
         self._whole: set[str] = set()
         """Robots whose progress was read once, and is all sound."""
         self._revisions: dict[str, int] = {}  # of the ledgers that were read: who saves later must have read that one
@@ -81,7 +84,7 @@ class SqliteStore(Store, TakesRequests):
             if self._base.in_transaction:
                 self._base.execute("ROLLBACK")
             raise
-        if begun:
+        if 0 < begun < UNTHINNED:
             with suppress(sqlite3.OperationalError):  # the file may stay as large as it was: what is free is used again
                 self._base.execute("VACUUM")
 
@@ -108,7 +111,7 @@ class SqliteStore(Store, TakesRequests):
     @contextmanager
     def _reading(self) -> Iterator[None]:
         """Read all of one moment, whatever another process saves meanwhile: else sums would not fit their rows."""
-        with self._errors():
+        with self._errors(), self._turn:
             begun = self._with_others and not self._base.in_transaction
             if begun:
                 self._base.execute("BEGIN")
@@ -175,11 +178,11 @@ class SqliteStore(Store, TakesRequests):
 
     def alarm_log(self, robot: str) -> AlarmLog:
         """Return the log of a robot's alarms, in a table beside the others."""
-        return SqliteAlarms(self._base, robot, self._errors)
+        return SqliteAlarms(self._base, robot, self._reading, self._transaction)
 
     def service_requests(self, robot: str) -> ServiceRequests:
         """Return the requests to note services of a robot, in a table beside the others."""
-        return ServiceRequests(self._base, robot, self._errors)
+        return ServiceRequests(self._base, robot, self._reading, self._transaction)
 
     def copy_to(self, path: Path) -> None:
         """Copy all of it into a new file. Raises StoreError where that is there, or cannot be written."""
@@ -192,24 +195,28 @@ class SqliteStore(Store, TakesRequests):
     def _saving(self, robot: str, ledger: Mapping[str, Any]) -> Iterator[None]:
         """A transaction that keeps a ledger, and what is done meanwhile."""
         state = json.dumps(ledger)
-        with self._errors():
+        with self._transaction():
+            row = LEDGER.get(self._base, robot)
+            revision = row[0] if row else 0
+            if self._revisions.get(robot, revision) != revision:
+                raise StoreError(f"{self.path}: another process has gone on with {robot}; nothing was saved over it")
+            LEDGER.put(self._base, robot, [(revision + 1, state)])
+            yield
+        self._revisions[robot] = revision + 1
+        self._keep_good()
+
+    @contextmanager
+    def _transaction(self) -> Iterator[None]:
+        """All that is written meanwhile is kept, or nothing."""
+        with self._errors(), self._turn:
             self._base.execute("BEGIN IMMEDIATE")
             try:
-                row = LEDGER.get(self._base, robot)
-                revision = row[0] if row else 0
-                if self._revisions.get(robot, revision) != revision:
-                    raise StoreError(
-                        f"{self.path}: another process has gone on with {robot}; nothing was saved over it"
-                    )
-                LEDGER.put(self._base, robot, [(revision + 1, state)])
                 yield
                 self._base.execute("COMMIT")
-                self._revisions[robot] = revision + 1
             except BaseException:
                 if self._base.in_transaction:  # a full disk may have rolled back already
                     self._base.execute("ROLLBACK")
                 raise
-        self._keep_good()
 
     def _keep_good(self) -> None:
         """Keep what is good beside the file, once in a while."""

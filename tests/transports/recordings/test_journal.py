@@ -3,6 +3,7 @@ from __future__ import annotations
 import math
 import random
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,8 @@ from hypothesis import strategies as st
 from robophm.core.errors import SourceError
 from robophm.core.signal import CLOCK, Sample
 from robophm.transports.recordings.journal import Journal, JournalRecording
+from robophm.transports.recordings.journal_lines import lines as lines_of
+from robophm.transports.recordings.journal_lines import sealed
 
 A, B = "/robot/temperature.temperature", "/joints.effort[2]"
 RUN = [Sample(5, A, 0.1), Sample(4, B, -0.0), Sample(6, CLOCK, 0.0), Sample(6, A, 1e308)]
@@ -60,7 +63,7 @@ def test_torn_last_line_does_not_count_and_is_cut_off_on_restart(torn: int, tmp_
     with Journal(path, [A, B, "/late.x"]) as journal:
         journal.write(RUN[-1])
     assert read(path) == RUN
-    assert path.read_text().count(f"# signal {A}") == 1
+    assert path.read_text().count(f"# signal {A}") == 2  # each run says what it listened to
 
 
 def test_gaps_are_said_and_are_no_samples(tmp_path: Path) -> None:
@@ -70,7 +73,7 @@ def test_gaps_are_said_and_are_no_samples(tmp_path: Path) -> None:
             journal.write(RUN[0])
             journal.gap("/joints", "connection lost")
             journal.write(RUN[1])
-    marks = [line for line in path.read_text().splitlines() if line.startswith("# gap")]
+    marks = [line[:-9] for line in path.read_text().splitlines() if line.startswith("# gap")]
     assert marks == ["# gap connection lost on /joints", "# gap not listening", "# gap connection lost on /joints"]
     source = JournalRecording(path)
     assert list(source.samples([A, B])) == RUN[:2] * 2
@@ -122,7 +125,7 @@ def test_holes_are_read_around_and_named(tmp_path: Path, size: int) -> None:
     there = whole[:begin] + bytes(size) + whole[begin + (size if size < 1 << 20 else 0) :]
     path.write_bytes(there)
     lines = {line + b"\n" for line in there.split(b"\n") if b"\0" not in line}
-    kept = [one for one in run if f"{one.time} {one.value!r} {one.signal}\n".encode() in lines]
+    kept = [one for one in run if sealed(f"{one.time} {one.value!r} {one.signal}").encode() in lines]
     assert 350 < len(kept) < 400
     source = JournalRecording(path)
     assert list(source.samples([A, B])) == kept
@@ -131,7 +134,47 @@ def test_holes_are_read_around_and_named(tmp_path: Path, size: int) -> None:
     assert note.endswith(", read on behind it")
     with Journal(path, [A, B]) as journal:
         assert list(journal.since(0)) == kept
-    assert path.read_bytes().endswith(b"# gap not listening\n# gap damaged lines before\n")
+    gaps = [line.text for line in lines_of(path) if line.text and line.text.startswith("# gap")]
+    assert gaps == ["# gap not listening", "# gap damaged lines before"]
+
+
+HAPPENED = [*[Sample(10**18 + i, (A, B)[i % 2], i / 7) for i in range(60)], Sample(10**18 + 60, CLOCK, 0.0)]
+
+
+def flips(whole: bytes, chance: random.Random, count: int) -> Iterator[tuple[int, bytes]]:
+    """So many places, and what is there with one bit of it another."""
+    for _ in range(count):
+        place = chance.randrange(8 * len(whole))
+        raw = bytearray(whole)
+        raw[place // 8] ^= 1 << place % 8
+        yield place, bytes(raw)
+
+
+@pytest.mark.parametrize("earlier", [False, True])
+@pytest.mark.parametrize("count", [100, pytest.param(3000, marks=pytest.mark.full)])
+def test_no_flipped_bit_is_silent(tmp_path: Path, count: int, *, earlier: bool) -> None:
+    """Nothing is made up, what is left out is said; also in a journal that a version without checksums began."""
+    path = tmp_path / "run.journal"
+    if earlier:
+        path.write_text(f"# robophm journal 1\n# signal {A}\n1 0.5 {A}\n")
+    before = path.stat().st_size if earlier else 0
+    for half in (HAPPENED[:40], HAPPENED[40:]):
+        with Journal(path, [A, B]) as journal:
+            for sample in half:
+                journal.write(sample)
+    whole, good = path.read_bytes(), read(path)
+    for place, raw in flips(whole[before:], random.Random(count), count):
+        path.write_bytes(whole[:before] + raw)
+        try:
+            source = JournalRecording(path)
+        except SourceError:
+            continue
+        found = list(source.samples(source.signals))
+        notes = {one: n for one, n in source.notes.items() if one != "gap in what was heard"}
+        gaps = source.notes["gap in what was heard"]
+        if repr(found) != repr(good) or source.signals != {A, B} or gaps != 1 + earlier:
+            assert notes, f"bit {place} changed what is read, and nobody said so"
+        assert [*map(repr, found)] == [one for one in map(repr, good) if one in {*map(repr, found)}], place
 
 
 def test_one_process_at_a_time_writes_a_journal(tmp_path: Path) -> None:
@@ -161,6 +204,37 @@ def cut(whole: bytes, synced: int, chance: random.Random) -> bytes:
             torn = chance.randrange(kept, begin + 513)
             there[torn : begin + 512] = bytes(len(there[torn : begin + 512]))
     return bytes(there)
+
+
+@pytest.mark.parametrize("left", [b"", b"# robophm jour", bytes(300), b"# robo" + bytes(90)])
+def test_a_journal_whose_beginning_was_torn_is_begun_anew(left: bytes, tmp_path: Path) -> None:
+    """Nothing was in it: what was listened to is on the disk before the first sample is."""
+    path = tmp_path / "run.journal"
+    path.write_bytes(left)
+    for _ in range(2):
+        with Journal(path, [A, B]) as journal:
+            journal.write(RUN[0])
+    assert read(path) == [RUN[0]] * 2
+
+
+@pytest.mark.parametrize("content", [b"time,/a.x", b"\0" * 90 + b"mine", b"# robophm journal 3\n1 2 3 4\n"])
+def test_what_is_no_journal_is_left_as_it_is(content: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "run.journal"
+    path.write_bytes(content)
+    with pytest.raises(SourceError, match=r"not a journal|of version 3, of a newer robophm"):
+        Journal(path, [A])
+    assert path.read_bytes() == content
+
+
+def test_a_journal_of_an_earlier_version_is_gone_on_with(tmp_path: Path) -> None:
+    path = tmp_path / "run.journal"
+    path.write_text(f"# robophm journal 1\n# signal {A}\n5 0.1 {A}\n6 0.2 {A}\n7 0.")
+    with Journal(path, [A, B]) as journal:
+        begun = journal.position
+        assert list(journal.since(0)) == [Sample(5, A, 0.1), Sample(6, A, 0.2)]
+        journal.write(RUN[1])
+        assert list(journal.since(begun)) == [RUN[1]]
+    assert read(path) == [Sample(5, A, 0.1), Sample(6, A, 0.2), RUN[1]]
 
 
 @pytest.mark.parametrize("states", [100, pytest.param(1000, marks=pytest.mark.full)])

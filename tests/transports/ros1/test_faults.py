@@ -29,6 +29,7 @@ from robophm.design.file import parse
 from robophm.monitoring.replay import replay
 from robophm.stores.memory import MemoryStore
 from robophm.stores.sqlite import SqliteStore
+from robophm.transports.recordings.journal_lines import SUM
 from robophm.transports.ros1 import Node, Publisher
 from robophm.transports.ros1.xmlrpc import call
 
@@ -217,7 +218,7 @@ def test_what_is_lost_through_faults_is_said_and_the_rest_is_lived(
         run.close()
         system.close()
     assert all(run.kills[which] > 0 for which in ("roscore", "publisher", "watcher"))
-    journal = (tmp_path / "run.journal").read_text().splitlines()
+    journal = [line[:-SUM] for line in (tmp_path / "run.journal").read_text().splitlines()]
     logs = {topic: logged(tmp_path / f"log{topic.replace('/', '-')}") for topic in TOPICS}
     heard, missing = heard_of(journal, logs)
     sent = sum(map(len, logs.values()))

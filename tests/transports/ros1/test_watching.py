@@ -52,7 +52,7 @@ def spoken(path: Path) -> int:
     """How many samples of the robot a journal has so far."""
     if not path.exists():
         return 0
-    return sum(1 for line in path.read_text().splitlines() if line.endswith(" /motor.temperature") and line[0] != "#")
+    return sum(1 for line in path.read_text().splitlines() if " /motor.temperature " in line and line[0] != "#")
 
 
 def ended(process: subprocess.Popen[str], how: signal.Signals) -> tuple[int, str, str]:
@@ -117,7 +117,7 @@ say("said")
         os.killpg(recorder.pid, signal.SIGINT)
         within(30, bag.exists)  # until then it is drive.bag.active
     assert code == 0, warned
-    lines = [line for line in journal.read_text().splitlines(keepends=True) if not line.endswith(" clock\n")]
+    lines = [line for line in journal.read_text().splitlines(keepends=True) if " clock " not in line]
     (tmp_path / "spoken.journal").write_text("".join(lines))
     ledgers = []
     for recorded in ("spoken.journal", "drive.bag"):

@@ -2,17 +2,18 @@
 
 ::
 
-    # robophm journal 1
-    # signal /ota/battery.voltage
-    1709553600000000000 25.9 /ota/battery.voltage
-    1709553601000000000 nan clock
-    # gap connection lost on /ota/battery
-    # gap not listening
+    # robophm journal 2
+    # signal /ota/battery.voltage 23262499
+    1709553600000000000 25.9 /ota/battery.voltage 362f09f6
+    1709553601000000000 nan clock 6ff42e7f
+    # gap connection lost on /ota/battery 5a83b5af
+    # gap not listening 7fca65c2
 
-Every line is time [ns], value as Python's repr, signal. A line without its end was torn by a crash and does
-not count. The signals that the run listened to are named, since one that never spoke is part of the run too. A gap is
-where a live source did not hear something, or may not have: of a topic, or of all where a later run begins. Lines that
-cannot be read, as where power was cut while the system wrote blocks out of order, are named and read around.
+Every line is time [ns], value as Python's repr, signal, and the checksum of these (CRC-32). A line without its end was
+torn by a crash and does not count. The signals that a run listened to are named, since one that never spoke is part of
+the run too. A gap is where a live source did not hear something, or may not have: of a topic, or of all where a later
+run begins. Lines that are not what was written, as where power was cut while the system wrote blocks out of order, are
+named and read around.
 """
 
 from __future__ import annotations
@@ -21,7 +22,6 @@ import os
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import suppress
-from functools import cached_property
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -30,11 +30,17 @@ from robophm.core.errors import SourceError
 from robophm.core.files import sync_folder
 from robophm.core.signal import CLOCK, Sample, split_signal
 from robophm.core.single_writer import lock
-from robophm.transports.recordings.files import existing, reading
-from robophm.transports.recordings.text import LONGEST_LINE, TextSource
-
-TITLE = b"# robophm journal 1\n"
-"""The first line of a journal."""
+from robophm.transports.recordings.files import existing
+from robophm.transports.recordings.journal_lines import (
+    SUM,
+    TITLE,
+    begins_at,
+    lines,
+    sealed,
+    titled,
+    was_begun,
+)
+from robophm.transports.recordings.text import TextSource
 
 MOST_NAMED = 20
 """Damaged stretches of a journal that are named by their line."""
@@ -71,14 +77,15 @@ class Journal:
     def _begin(self, signals: Collection[str]) -> None:
         if not lock(self._file):
             raise SourceError(f"{self.path}: another process writes this journal; expected one at a time")
-        if self.path.stat().st_size:
-            before = JournalRecording(self.path)
-            self._known |= before.signals
-            _cut_torn_line(self.path)
-            spoken = any(not line.startswith(b"#") for _, line in before._lines())
-            self._waiting += [f"{_GAP}not listening\n"] if spoken else []
-        else:
+        if not was_begun(self.path):
+            self._file.truncate(0)
             self._waiting.append(TITLE.decode())
+        else:
+            if not titled(self.path):
+                self._waiting.append(TITLE.decode())
+            _cut_torn_line(self.path)
+            if any(line.text and not line.text.startswith("#") for line in lines(self.path)):
+                self._waiting.append(sealed(f"{_GAP}not listening"))
         self._end = self.path.stat().st_size
         for signal in sorted(signals):
             self._know(signal)
@@ -94,43 +101,44 @@ class Journal:
         if not signal.isprintable():
             raise SourceError(f"{self.path}: signal {signal!r} cannot be written on one line")
         self._known.add(signal)
-        self._waiting.append(f"{_SIGNAL}{signal}\n")
+        self._waiting.append(sealed(f"{_SIGNAL}{signal}"))
 
     def write(self, sample: Sample) -> None:
         """Append one sample to the journal."""
         time, signal, value = sample
         if signal not in self._known:
             self._know(signal)
-        self._waiting.append(f"{time} {float(value)!r} {signal}\n")
+        self._waiting.append(sealed(f"{time} {float(value)!r} {signal}"))
         if signal == CLOCK or len(self._waiting) >= self._flush_every:
             self._flush()
 
     def gap(self, topic: str, why: str) -> None:
         """Record that something of a topic was not heard here, or may not have been."""
-        self._waiting.append(f"{_GAP}{why} on {topic}\n")
+        self._waiting.append(sealed(f"{_GAP}{why} on {topic}"))
 
     def _flush(self) -> None:
         """Hand what waits to the operating system: all of it, or none."""
-        lines, self._waiting = self._waiting, []
-        if not lines:
+        given, self._waiting = self._waiting, []
+        if not given:
             return
-        text = memoryview("".join([f"{_GAP}no room on the disk\n", *lines] if self._lost else lines).encode())
+        before = [sealed(f"{_GAP}no room on the disk")] if self._lost else []
+        text = memoryview("".join(before + given).encode())
         try:
             done = 0
             while done < len(text):
                 done += self._file.write(text[done:])
         except OSError as error:
-            self._lose(lines, error)
+            self._lose(given, error)
         else:
             self._end += len(text)
             self._lost = False
 
-    def _lose(self, lines: Sequence[str], error: OSError) -> None:
+    def _lose(self, given: Sequence[str], error: OSError) -> None:
         with suppress(OSError):
             self._file.truncate(self._end)
-        self._known -= {line[len(_SIGNAL) : -1] for line in lines if line.startswith(_SIGNAL)}
+        self._known -= {line[len(_SIGNAL) : -SUM - 1] for line in given if line.startswith(_SIGNAL)}
         self._lost = True
-        self.notes[f"{self.path}: not written, {error.strerror}"] += len(lines)
+        self.notes[f"{self.path}: not written, {error.strerror}"] += len(given)
 
     @property
     def position(self) -> int:
@@ -140,19 +148,18 @@ class Journal:
     def since(self, position: int) -> Iterator[Sample]:
         """Yield the samples that were in the file behind a position when it was opened, then those written since."""
         self.sync()
-        recording = JournalRecording(self.path)
-        read = 0
-        damaged = False
-        for _, line in recording._lines():
-            read += len(line)
-            if read <= position or line.startswith(b"#"):
+        known, damaged = {CLOCK}, False
+        for line in lines(self.path, position if begins_at(self.path, position) else 0):
+            if line.text and line.text.startswith(_SIGNAL):
+                known.add(line.text.removeprefix(_SIGNAL))
+            if line.end <= position or (line.text and line.text.startswith("#")):
                 continue
-            if sample := recording.sample_of(line):
+            if (sample := line.sample) and (line.checked or sample.signal in known):
                 yield sample
             else:
                 damaged = True
         if damaged:
-            self._waiting.append(f"{_GAP}damaged lines before\n")
+            self._waiting.append(sealed(f"{_GAP}damaged lines before"))
 
     def sync(self) -> None:
         """Return when all that was written is on the disk."""
@@ -188,47 +195,29 @@ class JournalRecording(TextSource):
     ends = False  # its clock samples say how long the robot was listened to
 
     def _signals(self) -> frozenset[str]:
-        if next(self._lines(), (1, b""))[1] != TITLE:
-            raise SourceError(f"{self.path}: not a journal; expected '{TITLE.decode().strip()}' as its first line")
-        mark = _SIGNAL.encode()
-        names = (line[len(mark) :] for _, line in self._lines() if line.startswith(mark) and line.endswith(b"\n"))
-        return frozenset(name.decode(errors="replace").rstrip("\n") for name in names)
-
-    def _lines(self) -> Iterator[tuple[int, bytes]]:
-        """Number and bytes of every line, its end included; what has no end for long comes in pieces."""
-        with reading(self.path), self.path.open("rb") as file:
-            yield from enumerate(iter(lambda: file.readline(LONGEST_LINE), b""), 1)
+        found = set()
+        for line in lines(self.path):
+            if line.text and line.text.startswith(_SIGNAL) and not line.torn:
+                found.add(line.text.removeprefix(_SIGNAL))
+            elif line.text and line.checked and not line.text.startswith("#"):  # it may be named in a hole
+                found.add(line.text.split(" ", 2)[-1])
+        return frozenset(found - {CLOCK})
 
     def _samples(self) -> Iterator[Sample]:
-        before, holes = -1, 0
-        for number, line in self._lines():
-            if sample := self.sample_of(line):
+        before, holes, known = -1, 0, self.signals | {CLOCK}
+        for line in lines(self.path):
+            if (sample := line.sample) and (line.checked or sample.signal in known):
                 yield sample
-            elif line.startswith(_GAP.encode()):
-                self.notes["gap in what was heard"] += 1
-            elif not line.endswith(b"\n") and len(line) < LONGEST_LINE:
+            elif line.torn:
                 self.notes["torn last line ignored"] += 1
-            elif not line.startswith(b"#"):
-                if before != number - 1:
+            elif line.text and line.text.startswith(_GAP):
+                self.notes["gap in what was heard"] += 1
+            elif not (line.text and line.text.startswith("#")):
+                if before != line.number - 1:
                     holes += 1
-                    where = f"damaged at line {number}" if holes <= MOST_NAMED else "damaged further on"
+                    where = f"damaged at line {line.number}" if holes <= MOST_NAMED else "damaged further on"
                     self.notes[f"{where}, read on behind it"] += 1
-                before = number
-
-    def sample_of(self, line: bytes) -> Sample | None:
-        """Return the sample of a line; None where it has none, as of a line that a cut of power left half written."""
-        if line.startswith(b"#") or not line.endswith(b"\n"):
-            return None
-        try:
-            time, value, signal = line.decode().rstrip("\n").split(" ", 2)
-            sample = Sample(int(time), signal, float(value))
-        except ValueError:
-            return None
-        return sample if sample.signal in self._known_signals else None
-
-    @cached_property
-    def _known_signals(self) -> frozenset[str]:
-        return self.signals | {CLOCK}
+                before = line.number
 
 
 def _cut_torn_line(path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from robophm.transports.recordings.format import SampleFormat
-from robophm.transports.recordings.journal import TITLE, JournalRecording
+from robophm.transports.recordings.journal import JournalRecording
+from robophm.transports.recordings.journal_lines import NAME
 
-FORMAT = SampleFormat((".journal",), lambda head: head.startswith(TITLE), JournalRecording, in_folders=False)
+FORMAT = SampleFormat((".journal",), lambda head: head.startswith(NAME), JournalRecording, in_folders=False)
