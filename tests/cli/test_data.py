@@ -9,6 +9,7 @@ import yaml
 from mcap.reader import make_reader
 
 from robophm.cli import INVALID, OK, USAGE
+from robophm.cli.data.statistics import MOST_LEVELS
 from robophm.core.signal import SECOND
 from robophm.transports.recordings.recording import Recording
 
@@ -73,11 +74,20 @@ def test_a_drive_in_many_files_is_one_entry(inside, tmp_path):
     found = document(inside("data", ".", "--json"))["recordings"]
     assert [len(one["topics"]) for one in found].count(2) == 1
     assert sum(topic["messages"] for one in found for topic in one["topics"]) == 4260
-    done = inside("data", "statistics", ".", "--signal", "/level.data")
+    statistics = ("data", "statistics", ".", "--signal", "/level.data")
+    done = inside(*statistics)
+    assert done.stdout.count("\n") < 20
+    assert done.stdout.count("Time at level") == 1
+    drive, together, apart = (json.loads(inside(*statistics, *how, "--json").stdout)["signals"] for how in
+                              ((), ("--together",), ("--apart",)))  # fmt: skip
+    assert [drive[0][figure] == together[0][figure] for figure in ("samples", "held", "mean", "levels")] == [True] * 4
+    assert (len(drive), [one["samples"] for one in apart]) == (1, [60] * 70)
+    done = inside(*statistics, "--apart")
     assert done.stdout.endswith(
+        f"Time at level is that of the first {MOST_LEVELS} of 70; --report draws it, --json has all\n"
         "Listed are the first 20 of 70; --together takes the recordings as one drive, --json has all\n"
     )
-    assert done.stdout.count("Time at level") == 20
+    assert done.stdout.count("Time at level: ") == MOST_LEVELS
     assert done.stderr == "warning: drive_0.mcap: receipt time used for /level (60 times, and 69 more like it)\n"
 
 

@@ -9,7 +9,7 @@ from mcap.writer import Writer
 from robophm.core.signal import SECOND
 from robophm.measured.overview import overview
 from robophm.measured.recordings import recordings
-from robophm.measured.splits import NAMING, splits_of
+from robophm.measured.splits import NAMING, drives_of, splits_of
 
 from .plain import START, write
 
@@ -103,3 +103,14 @@ def test_a_damaged_file_of_many_is_named(tmp_path):
     assert any("drive_4.mcap" in note for one in shown for note in one.seen.notes)
     (folder / "drive_5.mcap").write_bytes(b"")
     assert any("drive_5.mcap" in note for one in listed(folder) for note in one.seen.notes)
+
+
+def test_drives_are_those_that_are_listed(tmp_path):
+    whole = write(tmp_path / "whole.mcap", temperatures(200), 200)
+    parts = cut(whole, tmp_path / "cut", EVERY)
+    other = write(tmp_path / "other.mcap", temperatures(50, begin=5000), 200)
+    drive, alone = drives_of(recordings([parts, other]))
+    assert [path.name for path in drive.paths] == [f"drive_{number}.mcap" for number in range(10)]
+    assert drive.name == f"10 files, {parts / 'drive_0.mcap'} … drive_9.mcap"
+    assert alone == recordings([other])[0]
+    assert drives_of(recordings([whole])) == recordings([whole])

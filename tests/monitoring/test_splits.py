@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,7 +15,7 @@ from robophm.core.signal import SECOND
 from robophm.design.file import load
 from robophm.design.robot import Robot
 from robophm.monitoring.recording_sessions import sessions_of
-from robophm.monitoring.replay import replay
+from robophm.monitoring.replay import replay, replay_sessions
 from robophm.stores.memory import MemoryStore
 from robophm.transports.synthetic import SyntheticOta
 
@@ -85,6 +87,28 @@ def test_a_file_before_those_that_were_counted_is_refused(ota: Robot, drive: tup
     with pytest.raises(SourceError, match=r"drive_000\.mcap ends \d+ s before the robot's ledger does"):
         replay(ota, [early, *late], store=store, period=20)
     assert store.ledger(ota.name) == kept
+
+
+def test_files_that_a_store_of_before_has_are_not_counted_again(ota: Robot, drive: tuple[Path, Path]) -> None:
+    """It knows each by the digest of its size in words and 64 KiB at three places."""
+    _, parts = drive
+    store, sessions = MemoryStore(), sessions_of(ota, parts)
+    before = []
+    for session in sessions:
+        content = session.files[0].read_bytes()
+        edges = [content[at:][:65536] for at in (0, len(content) // 2, max(0, len(content) - 65536))]
+        known = hashlib.sha256(str(len(content)).encode() + b"".join(edges)).hexdigest()
+        for _ in range(2):  # of the files of a recording, and of the recordings of a session
+            known = hashlib.sha256(known.encode()).hexdigest()
+        key = hashlib.sha256("\n".join((known, *sorted(session.signals))).encode()).hexdigest()
+        assert key == session.key_before() != session.key
+        before.append(replace(session, key=key))
+    replay_sessions(ota, before[:20], store=store, period=20)
+    kept = store.ledger(ota.name)
+    replay_sessions(ota, sessions[:20], store=store, period=20)
+    assert store.ledger(ota.name) == kept
+    replay(ota, parts, store=store, period=20)
+    assert store.ledger(ota.name) == past(ota, parts)[0]
 
 
 @pytest.mark.full

@@ -42,10 +42,30 @@ def splits_of(
 
     Raises SourceError where one is missing or no recording.
     """
+    alone = _timed(each, gap, advance)
+    runs = _runs(each, alone)
+    return [_joined([each[one] for one in run], [alone[one] for one in run], gap) for run in runs]
+
+
+def drives_of(each: Sequence[Recorded], advance: Callable[[int, int], None] = lambda done, of: None) -> list[Recorded]:
+    """Return recordings, of which those that ``splits_of`` takes as one are one drive.
+
+    Raises SourceError where one is missing or no recording.
+    """
+    runs = _runs(each, _timed(each, None, advance)) if len(each) > 1 else [[one] for one in range(len(each))]
+    return [_as_one([each[one] for one in run]) for run in runs]
+
+
+def _timed(each: Sequence[Recorded], gap: int | None, advance: Callable[[int, int], None]) -> list[Overview]:
     alone = []
     for done, one in enumerate(each):
         advance(done, len(each))
         alone.append(timed(one, gap))
+    return alone
+
+
+def _runs(each: Sequence[Recorded], alone: Sequence[Overview]) -> list[list[int]]:
+    """The numbers of recordings that are alike and follow each other, those of one drive in order of time."""
     runs: list[list[int]] = []
     for number in sorted(range(len(each)), key=lambda one: (_place(each[one]), _numbers(each[one]), one)):
         last = runs[-1][-1] if runs else None
@@ -53,7 +73,7 @@ def splits_of(
             runs[-1].append(number)
         else:
             runs.append([number])
-    return [_joined([each[one] for one in run], [alone[one] for one in run], gap) for run in sorted(runs, key=min)]
+    return sorted(runs, key=min)
 
 
 def _place(one: Recorded) -> tuple[str, str]:
@@ -86,12 +106,18 @@ def _joined(run: Sequence[Recorded], alone: Sequence[Overview], gap: int | None)
     names = tuple(one.name for one in run)
     if len(run) == 1:
         return Splits(named(alone[0], run[0].paths), names, having)
+    whole = timed(_as_one(run), gap)
+    return Splits(named(whole, [run[one].paths[0] for one in _looked_into(run)]), names, having)
+
+
+def _as_one(run: Sequence[Recorded]) -> Recorded:
+    if len(run) == 1:
+        return run[0]
     paths = tuple(path for one in run for path in one.paths)
     topics = {topic: kind for one in reversed(run) for topic, kind in one.topics.items()}
     lost = tuple(what for one in run for what in one.lost)
-    name = f"{len(run):,} files, {names[0]} … {Path(names[-1]).name}"
-    whole = timed(Recorded(name, paths, dict(sorted(topics.items())), lost), gap)
-    return Splits(named(whole, [run[one].paths[0] for one in _looked_into(run)]), names, having)
+    name = f"{len(run):,} files, {run[0].name} … {Path(run[-1].name).name}"
+    return Recorded(name, paths, dict(sorted(topics.items())), lost)
 
 
 def _looked_into(run: Sequence[Recorded]) -> Iterable[int]:

@@ -23,14 +23,12 @@ from robophm.monitoring.monitor import Monitor
 from robophm.transports.recordings.files import EmptyError, existing, parts_of
 from robophm.transports.recordings.opening import open_source
 from robophm.transports.recordings.recording import Recording
+from robophm.transports.signals.message_type import Kinds
 from robophm.transports.signals.message_units import field_unit
 from robophm.transports.signals.source import SignalSource, TopicInfo
 
 Kind = tuple[str, tuple[str, ...]]
 """A topic's type of messages and numeric fields."""
-
-Kinds = tuple[tuple[str, Kind], ...]
-"""Topics with that."""
 
 Opening = Callable[[], AbstractContextManager[SignalSource]]
 Recorded = SignalSource | str | os.PathLike[str]
@@ -54,12 +52,23 @@ class RecordingSession:
     lost: tuple[str, ...] = ()
     """Files beside it of which nothing can be read, and why."""
 
+    def key_before(self) -> str:
+        """The key that it has in stores of before. Raises SourceError where it cannot be read."""
+        if not self.files:
+            return self.key
+        with self.open() as source:
+            return _key(source.fingerprint_before(), self.signals) if isinstance(source, Recording) else self.key
+
     def goes_on(self, after: RecordingSession, gap: int) -> bool:
         """Whether another session is of the same drive: it begins at most ``gap`` [ns] behind this one's end."""
         if not (self.files and after.files) or self.signals != after.signals or after.lost:
             return False
         spans = [(one.first or 0, one.last or 0) for one in (self, after)]
         return 0 < spans[1][0] - spans[0][1] <= gap and all(last - first <= CLOCK_JUMP for first, last in spans)
+
+
+def _key(fingerprint: str, signals: Iterable[str]) -> str:
+    return hashlib.sha256("\n".join((fingerprint, *sorted(signals))).encode()).hexdigest()
 
 
 def joined(sessions: Sequence[RecordingSession]) -> RecordingSession:
@@ -98,7 +107,7 @@ def sessions_of(
             missing = {signal: lacking[signal] for signal in missing if signal in lacking}
             signals = tuple(signal for signal in robot.signals if signal not in lacking)
         if signals:
-            key = hashlib.sha256("\n".join((found.fingerprint, *sorted(signals))).encode()).hexdigest()
+            key = _key(found.fingerprint, signals)
             sessions.append(RecordingSession(name, key, signals, found.first, found.last, opens, found.files))
     _refuse(robot, missing, topics, skip_missing=skip_missing)
     return [replace(sessions[0], lost=tuple(unread)), *sessions[1:]]
@@ -172,10 +181,13 @@ class _Looked(NamedTuple):
 
 
 def _looked(source: SignalSource, files: Sequence[Path]) -> _Looked:
+    if isinstance(source, Recording):
+        spans = source.spans()
+        first, last = (spans[0][0], spans[-1][1]) if spans else (None, None)
+        return _Looked(source.kinds(), first, last, source.fingerprint, tuple(files))
     infos = source.topics()
     kinds = tuple((info.topic, (info.type, info.fields)) for info in infos)
-    files = tuple(files) if isinstance(source, Recording) else ()
-    return _Looked(kinds, *_span(infos), source.fingerprint, files)
+    return _Looked(kinds, *_span(infos), source.fingerprint, ())
 
 
 def _opened(recorded: Recorded | Sequence[Recorded], lost: list[str]) -> Iterator[tuple[str, Opening, _Looked]]:

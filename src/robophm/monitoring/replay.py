@@ -121,7 +121,7 @@ def _replayed(
     step = round(report_every * SECOND) if report_every else _report_step(sessions) if store else REPORT_STEP
     decided: Counter[str] = Counter()
     monitor: Monitor | None = None
-    for run in _runs(robot, sessions, store):
+    for run in _runs(robot, sessions, store, past=ledger is not None):
         if run[0].done.complete:
             decided.update(run[0].done.notes)
             continue
@@ -139,11 +139,19 @@ class _Session(NamedTuple):
     done: Progress
 
 
-def _runs(robot: Robot, sessions: Sequence[RecordingSession], store: Store | None) -> list[list[_Session]]:
+def _done(robot: Robot, session: RecordingSession, store: Store, past: bool) -> Progress:
+    """What of a session is in the ledger; where there is a past, it may have another key there."""
+    done = store.progress(robot.identity, session.key)
+    if past and not (done.position or done.complete):
+        done = store.progress(robot.identity, session.key_before())._replace(recording=session.key)
+    return done
+
+
+def _runs(robot: Robot, sessions: Sequence[RecordingSession], store: Store | None, past: bool) -> list[list[_Session]]:
     """The sessions in order, those as one of which each goes on where the one before ended, as splits of a drive do."""
     runs: list[list[_Session]] = []
     for session in sessions:
-        here = _Session(session, store.progress(robot.identity, session.key) if store else Progress(session.key))
+        here = _Session(session, _done(robot, session, store, past) if store else Progress(session.key))
         before = runs[-1][-1] if runs else None
         fresh = not (here.done.position or here.done.complete)
         if before and fresh and not before.done.complete and before.session.goes_on(session, robot.max_gap):
@@ -173,12 +181,15 @@ def _go_through(
     decided |= Counter(session.lost)
     course = ReportHistory(step, ledger, WearWatch(robot, GROWTH).renewed, processes)
     saved = time.monotonic()
+    left = [*run]  # the sessions that are not complete in the store, and the first
 
     def save() -> None:
         nonlocal saved
         if store:
-            states = [*_states(run, position, decided + source.notes)]
+            states = [*_states(left, position, decided + source.notes)]
             store.save(robot.identity, monitor.ledger.to_json(), states, course.reports)
+            done = {state.recording for state in states if state.complete}
+            left[1:] = [one for one in left[1:] if one.session.key not in done]  # the first has the notes of all
             course.reports.clear()
             saved = time.monotonic()
 
@@ -207,7 +218,7 @@ def _go_through(
             monitor.ledger.counts[reason] += source.notes.pop(reason)  # it qualifies what is in the ledger
     if store:
         notes = decided + source.notes
-        states = [Progress(one.session.key, position, True, notes if one is run[0] else {}) for one in run]
+        states = [Progress(one.session.key, position, True, notes if one is run[0] else {}) for one in left]
         if (ended := monitor.ledger.ended) is not None:
             states.append(Progress(_ENDED, ended, complete=True, notes={"newest": monitor.ledger.newest or 0}))
         store.save(robot.identity, monitor.ledger.to_json(), states, course.reports)
@@ -215,7 +226,7 @@ def _go_through(
 
 
 def _states(run: Sequence[_Session], position: int, notes: Counter[str]) -> Iterator[Progress]:
-    """The progress of sessions where all that was received before a position is in the ledger.
+    """The progress of sessions where all that was received before a position is in the ledger, in their order.
 
     The last is complete when its end is in the ledger too.
     """

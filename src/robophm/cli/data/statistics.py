@@ -33,6 +33,7 @@ from robophm.core.errors import RobophmError
 from robophm.core.signal import HOUR
 from robophm.measured.levels import marginal
 from robophm.measured.recordings import Signal, recordings, signal_of
+from robophm.measured.splits import drives_of
 from robophm.measured.statistics import Seen, Window, statistics_of
 from robophm.measured.window_table import writing_windows
 from robophm.report.curve import sparkline
@@ -42,6 +43,9 @@ from robophm.report.words import duration_text, moment_text, number_text
 MOST_SEEN = 20
 """Signals, each of one recording, that are listed."""
 
+MOST_LEVELS = 4
+"""Of so many of them the time at level is listed too."""
+
 
 def command(
     bags: Bags,
@@ -50,6 +54,9 @@ def command(
     bins: Bins = 20,
     gap: Gap = "5 s",
     together: Together = False,
+    apart: Annotated[
+        bool, typer.Option("--apart", help="each file for itself, also those that follow each other")
+    ] = False,
     to: Annotated[Path | None, typer.Option(help="write those of --every, or of all, as a table, .csv")] = None,
     report: Page = None,
     force: Overwrite = False,
@@ -59,8 +66,9 @@ def command(
     """Lowest, mean, highest, deviation, course and time at level of signals, and of each stretch of time."""
     listed = every is not None and not as_json
     path = "statistics" + " of stretches of time (--every)" * listed + " that are written" * bool(to or report)
-    refuse_unused(path, ("signal", "every", "bins", "gap", "together", "to", "report", *["force"] * bool(to or report),
-                *["most"] * listed))  # fmt: skip
+    saves = bool(to or report)
+    refuse_unused(path, ("signal", "every", "bins", "gap", "together", "to", "report", *["apart"] * (not together),
+                *["force"] * saves, *["most"] * listed))  # fmt: skip
     may_make(to, *bags, *([report] if report else []), force=force, suffixes=(".csv",))
     may_make(report, *bags, force=force)
     age, step = max_age(gap), None if every is None else nanoseconds(every)
@@ -68,6 +76,9 @@ def command(
         raise RobophmError(f"--every {every}: expected a time above zero")
     each = recordings(bags, together=together)
     signals = [signal_of(name, each) for name in dict.fromkeys(signal)]
+    if not apart:
+        with counted(progress_console(), "looking") as advance:
+            each = drives_of(each, advance)
     with counted(progress_console(), "reading") as advance, writing_windows(to) if to else nullcontext() as row:
         found = statistics_of(each, signals, step, age, levels=bins, on_window=row, advance=advance)
     if report:
@@ -100,11 +111,17 @@ def _print_seen(out: Console, seen: Sequence[Seen], *, several: bool) -> None:
     if rows:
         last = len(columns) - 1
         print_table(out, table("", columns, rows, figures=range(last - 6, last)))
-    for one in seen[:MOST_SEEN]:
-        shares = level_rows(one.look.levels, 0, one.signal.unit or "")
-        if any(shares.values()):
-            where = f" in {one.recording}" if several else ""
-            print_levels(out, f"Time at level: {one.signal.name}{where}", shares)
+    levels = [
+        (one, shares) for one in seen if any((shares := level_rows(one.look.levels, 0, one.signal.unit or "")).values())
+    ]
+    for one, shares in levels[:MOST_LEVELS]:
+        where = f" in {one.recording}" if several else ""
+        print_levels(out, f"Time at level: {one.signal.name}{where}", shares)
+    if len(levels) > MOST_LEVELS:
+        out.print(
+            f"Time at level is that of the first {MOST_LEVELS} of {len(levels):,}; --report draws it, --json has all",
+            markup=False,
+        )
     if len(seen) > MOST_SEEN:
         way = "--together takes the recordings as one drive, --json has all" if several else "--json has all"
         out.print(f"Listed are the first {MOST_SEEN} of {len(seen):,}; {way}", markup=False)

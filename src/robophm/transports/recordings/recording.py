@@ -13,7 +13,6 @@ from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from heapq import merge
-from itertools import chain
 from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -32,6 +31,7 @@ from robophm.transports.signals.element_names import (
     names_in,
 )
 from robophm.transports.signals.message_type import (
+    Kinds,
     MessageType,
     field_getter,
     fields_of,
@@ -43,8 +43,6 @@ from robophm.transports.signals.message_type import (
 from robophm.transports.signals.source import STAMP_LIMIT, SignalColumns, SignalSource, TopicInfo
 
 if TYPE_CHECKING:
-    from rosbags.interfaces import Connection
-
     from robophm.transports.recordings.columns.pieces import PiecedFile, TopicExtent
 
 LONGEST_NAMING = 1 << 18
@@ -59,6 +57,10 @@ def _name(known: dict[str, list[str]], type_: MessageType, messages: Iterable[by
         left = MOST_UNNAMED if new else left - 1
         if left < 1:
             return
+
+
+def _digest_of(fingerprints: Iterable[str]) -> str:
+    return hashlib.sha256("".join(sorted(fingerprints)).encode()).hexdigest()
 
 
 class Recording(SignalSource):
@@ -89,8 +91,15 @@ class Recording(SignalSource):
                 raise EmptyError(f"{', '.join(map(str, paths)) or 'no file'}: holds no messages")
             self._opened = stack.pop_all()
         self._name = str(self._files[0].path) + (" …" if len(self._files) > 1 else "")
-        digests = "".join(sorted(file.fingerprint for file in self._files))
-        self.fingerprint = hashlib.sha256(digests.encode()).hexdigest()
+        self.fingerprint = _digest_of(file.fingerprint for file in self._files)
+
+    def fingerprint_before(self) -> str:
+        """Return what the recording is known by in stores of before, in which small files had another digest.
+
+        Raises SourceError where it cannot be read.
+        """
+        with reading(self._files[0].path):
+            return _digest_of(file.fingerprint_before() for file in self._files)
 
     def lost(self) -> list[str]:
         """Return the notes that tell of files of which something is lost."""
@@ -129,21 +138,16 @@ class Recording(SignalSource):
             self._found.update(file.late)
         return found
 
+    def kinds(self) -> Kinds:
+        """Return the topics of the recording, each with its type of messages and numeric fields, as ``topics``."""
+        return kinds_of([*{id(file.connections): file.connections for file in self._files}.values()])
+
     @cached_property
     def _topics(self) -> list[TopicInfo]:
-        types: dict[str, str] = {}
-        fields: dict[str, list[tuple[str, ...]]] = {}
         counts: Counter[str] = Counter()
         firsts: dict[str, int] = {}
         lasts: dict[str, int] = {}
-        described: list[Connection] = []
         for file, told in self._told:
-            if file.connections is not described:  # many files have the same
-                described = file.connections
-                for topic, type_, some in kinds_of(described):
-                    types.setdefault(topic, type_)
-                    if some not in fields.setdefault(topic, []):
-                        fields[topic].append(some)
             for connection in file.connections:
                 topic = connection.topic
                 if extent := told.get(connection.id):
@@ -153,15 +157,8 @@ class Recording(SignalSource):
                     firsts[topic] = min(first, firsts.get(topic, first))
                     lasts[topic] = max(last, lasts.get(topic, last))
         return [
-            TopicInfo(
-                topic,
-                types[topic],
-                counts[topic],
-                firsts.get(topic),
-                lasts.get(topic),
-                fields[topic][0] if len(fields[topic]) == 1 else tuple(dict.fromkeys(chain(*fields[topic]))),
-            )
-            for topic in sorted(types)
+            TopicInfo(topic, type_, counts[topic], firsts.get(topic), lasts.get(topic), fields)
+            for topic, (type_, fields) in self.kinds()
         ]
 
     def names(self) -> dict[str, dict[str, list[str]]]:

@@ -268,17 +268,30 @@ def fields_of(connection: Connection) -> tuple[str, ...]:
         return ()
 
 
-def kinds_of(connections: list[Connection]) -> list[tuple[str, str, tuple[str, ...]]]:
-    """Return topic, type and numeric fields of each of some connections: the files of one drive share their list."""
+Kinds = tuple[tuple[str, tuple[str, tuple[str, ...]]], ...]
+"""Topics, sorted, each with its type of messages and their numeric fields."""
+
+
+def kinds_of(described: Sequence[list[Connection]]) -> Kinds:
+    """Return what topics there are in some files, by their lists of connections, of which files of one drive share one.
+
+    Of types of messages the first counts; where fields differ all are there.
+    """
     global _asked_last
     last = _asked_last
-    if last[0] is not connections:
-        last = _asked_last = connections, [(one.topic, one.msgtype, fields_of(one)) for one in connections]
+    if len(described) != 1 or last[0] is not described[0]:
+        types: dict[str, str] = {}
+        fields: dict[str, dict[str, None]] = {}
+        for one in (one for connections in described for one in connections):
+            types.setdefault(one.topic, one.msgtype)
+            fields.setdefault(one.topic, {}).update(dict.fromkeys(fields_of(one)))
+        kinds = tuple((topic, (types[topic], tuple(fields[topic]))) for topic in sorted(types))
+        last = _asked_last = described[0] if len(described) == 1 else [], kinds
     return last[1]
 
 
-_asked_last: tuple[list[Connection], list[tuple[str, str, tuple[str, ...]]]] = ([], [])
-"""The connections of which it was asked last, and the answer."""
+_asked_last: tuple[list[Connection], Kinds] = ([], ())
+"""The only list of connections of which it was asked last, and the answer."""
 
 
 @lru_cache(maxsize=256)

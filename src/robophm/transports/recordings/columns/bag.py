@@ -9,6 +9,7 @@ from array import array
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
+from itertools import accumulate, pairwise
 from pathlib import Path
 from typing import Any, Self
 
@@ -126,14 +127,16 @@ class BagFile(ChunkedFile):
         """Return when the messages of a chunk were received, as its index says."""
         if chunk.indices is None:
             raise DamageError("no index")
-        times = {}
-        for record in self._indices(chunk.end):
-            times[record.number(b"conn")] = _times(np.frombuffer(self._entries(record), _INDEX))
+        found = {record.number(b"conn"): self._entries(record) for record in self._indices(chunk.end)}
         counted = self._ends.get(chunk.end, {})
-        alike = all(len(heard) == counted.get(id_, len(heard)) for id_, heard in times.items())
-        if not alike or times.keys() != chunk.indices.keys():
+        ends = [*accumulate((len(entries) // _INDEX.itemsize for entries in found.values()), initial=0)]
+        alike = all(
+            counted.get(id_, end - at) == end - at for id_, (at, end) in zip(found, pairwise(ends), strict=True)
+        )
+        if not alike or found.keys() != chunk.indices.keys():
             raise DamageError("not what its chunk's info counts")
-        return times
+        times = _times(np.frombuffer(b"".join(found.values()), _INDEX))
+        return {id_: times[at:end] for id_, (at, end) in zip(found, pairwise(ends), strict=True)}
 
     def _entries(self, record: Record) -> memoryview:
         """The entries of an index record."""
@@ -263,12 +266,7 @@ class BagFile(ChunkedFile):
         if not position:
             raise DamageError("its recorder was not closed")
         self.ahead(position, self.size)
-        for _ in range(header.number(b"conn_count")):
-            record = self._record(position)
-            if record.operation != CONNECTION:
-                raise DamageError(f"no connection at byte {position}")
-            self._define(record, self.content)
-            position = record.end
+        position = self._read_connections(position, header.number(b"conn_count"))
         infos = self.view(position, self.size)
         at = 0
         for _ in range(header.number(b"chunk_count")):
@@ -280,6 +278,26 @@ class BagFile(ChunkedFile):
             self.chunks.append(Chunk(first, last, offset, 0, 0, "", 0, 0, counts))
         if position + at != self.size:
             raise DamageError(f"{self.size - position - at} bytes behind it")
+
+    def _read_connections(self, position: int, count: int) -> int:
+        """Keep so many connections from this place on; return where they end.
+
+        The files of one drive have the same: those of the file before are compared as they lie.
+        """
+        global _connections_last
+        run, many, defined = _connections_last
+        if count == many and self.content[position : position + len(run)].tobytes() == run:
+            self._defined = dict(defined)
+            return position + len(run)
+        begin = position
+        for _ in range(count):
+            record = self._record(position)
+            if record.operation != CONNECTION:
+                raise DamageError(f"no connection at byte {position}")
+            self._define(record, self.content)
+            position = record.end
+        _connections_last = self.content[begin:position].tobytes(), count, dict(self._defined)
+        return position
 
     def placed(self, chunks: list[Chunk], wanted: frozenset[int]) -> list[Chunk]:
         """The chunks, of which the index of all knows but where they begin."""
@@ -402,6 +420,10 @@ class BagFile(ChunkedFile):
             return
         rest = Chunk(0, MOST_TIME, position, record.start, end, compression, size, 0, None, cut=True)
         self.chunks.append(self._timed(rest)._replace(indices=None))
+
+
+_connections_last: tuple[bytes, int, Mapping[int, tuple[str, str, str]]] = (b"", 0, {})
+"""The connections in the index of the file before: as they lie, how many, and what they define."""
 
 
 def _times(index: NDArray[Any]) -> Ints:

@@ -14,7 +14,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from robophm.transports.recordings.columns.checksum import crc32
+from robophm.transports.recordings.checksum import crc32
 from robophm.transports.recordings.columns.chunk import Asked, Chunk, Place, UnknownError, index_of
 from robophm.transports.recordings.columns.field_extraction import Bytes, Ints
 from robophm.transports.recordings.columns.mapped import PAGE, MappedFile

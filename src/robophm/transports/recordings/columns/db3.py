@@ -9,10 +9,10 @@ from __future__ import annotations
 import sqlite3
 from collections import Counter
 from collections.abc import Collection, Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from robophm.transports.recordings.columns.pieces import (
     tell_all,
 )
 from robophm.transports.recordings.columns.rows import Row, RowsFile
+from robophm.transports.recordings.columns.small_tables import entries_of, is_whole, parts_alike
 from robophm.transports.recordings.columns.table import COLUMNS, Flags, Pages, Rows, find_rows
 from robophm.transports.recordings.files import check_whole
 
@@ -51,6 +52,8 @@ class Db3File(MappedFile, RowsFile):
 
     def __init__(self, path: Path, notes: Counter[str]) -> None:
         super().__init__(path, notes)
+        if self.size <= SMALL and self._is_as_before():
+            return
         try:
             check_whole(path)
         except SourceError as error:
@@ -62,14 +65,46 @@ class Db3File(MappedFile, RowsFile):
                 except sqlite3.Error as error:
                     damage = "no database, or the first page, which says where its tables are, is damaged"
                     raise SourceError(f"{path}: cannot be read: {error}: {damage}") from error
-                self.connections = _alike(self._connections(database))
+                self.connections = self._connections(database)
                 if not self.connections and database.execute("SELECT 1 FROM messages LIMIT 1").fetchone():
                     notes[f"{path.name}: all messages lost: its table of topics names none"] += 1
                 if self.size <= SMALL:  # while it is open
                     self._found = self._find(database)
                     self.joins = bool(self._found and not self._found[1])
+                    if self.joins:
+                        self._remember(database)
         except (sqlite3.Error, UnicodeDecodeError) as error:
             raise SourceError(f"{path}: cannot be read: {error}") from error
+
+    def _is_as_before(self) -> bool:
+        """Whether this file has the tables of the one before, and its messages are all there: then SQLite is not asked.
+
+        The files of one drive have the same tables: they are compared as they lie.
+        """
+        known, content = _known_last, self.content.data
+        if not known or any(bytes(content[at : at + len(part)]) != part for at, part in known.parts):
+            return False
+        with suppress(DamageError):
+            rows, lost = find_rows(Pages(self.content), known.messages, None)
+            indexed = entries_of(content, known.timestamps) if known.timestamps else len(rows.times)
+            ids = [connection.id for connection in known.connections]
+            if is_whole(content) and not lost and indexed == len(rows.times) and np.isin(rows.topics, ids).all():
+                self.connections, self._found, self.joins = known.connections, (rows, lost), True
+                return True
+        return False
+
+    def _remember(self, database: sqlite3.Connection) -> None:
+        """Keep what tables this file has, for the one behind."""
+        global _known_last
+        query = "SELECT name, rootpage FROM sqlite_master WHERE type = 'table'"
+        tables = dict(database.execute(query).fetchall())
+        indices = self._indices(database)
+        with suppress(DamageError):
+            roots = [tables[name] for name in ("topics", "message_definitions") if name in tables]
+            parts = parts_alike(self.content.data, roots)
+            if _known_last and _known_last.connections == self.connections:
+                self.connections = _known_last.connections
+            _known_last = _Known(parts, self.connections, tables["messages"], indices[0][1] if indices else 0)
 
     @contextmanager
     def _opened(self) -> Iterator[sqlite3.Connection]:
@@ -209,14 +244,18 @@ class Db3File(MappedFile, RowsFile):
     def _indexed(self, database: sqlite3.Connection) -> int | None:
         """The number of messages in the table's index, None where there is none; raises DamageError."""
         try:
-            query = "SELECT name FROM sqlite_master WHERE type = 'index' AND tbl_name = 'messages' AND sql NOT NULL"
-            for (name,) in database.execute(query).fetchall():
+            for name, _ in self._indices(database):
                 quoted = str(name).replace('"', '""')
                 (count,) = database.execute(f'SELECT count(*) FROM messages INDEXED BY "{quoted}"').fetchone()
                 return int(count)
         except (sqlite3.Error, UnicodeDecodeError, MemoryError) as error:
             raise DamageError(str(error)) from error
         return None
+
+    def _indices(self, database: sqlite3.Connection) -> list[tuple[str, int]]:
+        """The indices of the table of messages, and the pages where they begin."""
+        query = "SELECT name, rootpage FROM sqlite_master WHERE type = 'index' AND tbl_name = 'messages'"
+        return database.execute(f"{query} AND sql NOT NULL").fetchall()
 
     def _root(self, database: sqlite3.Connection) -> int:
         """The page where the table of messages begins; raises DamageError where it is not as rosbag2 makes it."""
@@ -267,14 +306,16 @@ class Db3File(MappedFile, RowsFile):
         ]
 
 
-def _alike(connections: list[Connection]) -> list[Connection]:
-    """The very connections of the file before, where these are the same."""
-    global _known_last
-    last = _known_last
-    if connections != last:
-        last = _known_last = connections
-    return last
+class _Known(NamedTuple):
+    """The tables of a file, of which nothing is lost."""
+
+    parts: tuple[tuple[int, bytes], ...]
+    """What says which tables it has and which topics there are: where it lies, and that."""
+    connections: list[Connection]
+    messages: int
+    timestamps: int
+    """The pages where the table of messages and its index begin; 0 where it has none."""
 
 
-_known_last: list[Connection] = []
-"""The connections of the file before."""
+_known_last: _Known | None = None
+"""The tables of the file before."""

@@ -108,6 +108,10 @@ class PackedMessages(RowsFile):
         """Return when the first message was received [ns]."""
         return self._inside.begin()
 
+    def fingerprint_before(self) -> str:
+        """Return what the file inside is known by in stores of before."""
+        return self._inside.fingerprint_before()
+
     def told(self) -> dict[int, TopicExtent]:
         """Return how many messages each connection has, and when they were received."""
         return self._inside.told()

@@ -27,7 +27,8 @@ def learn_fields(files: Sequence[PiecedFile], wanted: Mapping[str, Collection[st
 
     Some messages are looked into, as for the names of elements; all, if a field that is wanted is not in those.
     """
-    known = [one for file in files for one in file.connections if _unsaid(one)]
+    described = {id(file.connections): file.connections for file in files}  # many have the same
+    known = [one for connections in described.values() for one in connections if _unsaid(one)]
     topics = {one.topic for one in known if wanted is None or not _has(one, wanted.get(one.topic, ()))}
     if not topics:
         return
@@ -36,12 +37,9 @@ def learn_fields(files: Sequence[PiecedFile], wanted: Mapping[str, Collection[st
         for one in file.connections:
             if schema := learnt.get((one.topic, _encoding(one))) if _unsaid(one) else None:
                 _learn(schema, file, one, everything=wanted is not None)
-    described: dict[int, list[Connection]] = {}
+    said = {list_: [_described(one, learnt) for one in connections] for list_, connections in described.items()}
     for file in files:  # those that share their connections go on sharing them
-        before = file.connections
-        if id(before) not in described:
-            described[id(before)] = [_described(one, learnt) for one in before]
-        file.connections = described[id(before)]
+        file.connections = said[id(file.connections)]
 
 
 def _learn(schema: LearntSchema, file: PiecedFile, connection: Connection, everything: bool) -> None:

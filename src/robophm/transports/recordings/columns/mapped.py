@@ -17,7 +17,7 @@ import numpy as np
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.field_extraction import Bytes
 from robophm.transports.recordings.columns.pieces import DamageError, PiecedFile
-from robophm.transports.recordings.files import fingerprint_of
+from robophm.transports.recordings.files import fingerprint_in_memory, fingerprint_of
 from robophm.transports.recordings.remote import fetched_of
 
 PAGE = mmap.PAGESIZE
@@ -66,7 +66,11 @@ class MappedFile(PiecedFile):
 
     def take_digest(self) -> None:
         """Find out what a small file is known by, while it is in memory: of thousands of them none stays there."""
-        self.fingerprint = fingerprint_of(self.source, self.content.data)
+        self.fingerprint = fingerprint_in_memory(self.content.data)
+
+    def fingerprint_before(self) -> str:
+        """Return what the file is known by in stores of before."""
+        return fingerprint_of(self.source)
 
     @property
     def content(self) -> Bytes:

@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robophm.core.errors import SourceError
+from robophm.transports.recordings.checksum import crc32
 from robophm.transports.recordings.columns import mcap_records as kinds
-from robophm.transports.recordings.columns.checksum import crc32
 from robophm.transports.recordings.columns.chunk import Chunk, UnknownError
 from robophm.transports.recordings.columns.chunked import ChunkedFile
 from robophm.transports.recordings.columns.field_extraction import Bytes, Ints

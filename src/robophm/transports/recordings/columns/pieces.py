@@ -83,6 +83,10 @@ class PiecedFile(ABC):
         """Return what the file is known by, whatever it is called."""
         return fingerprint_of(self.path)
 
+    def fingerprint_before(self) -> str:
+        """Return what the file is known by in stores of before."""
+        return self.fingerprint
+
     @property
     def weight(self) -> int:
         """Kilobytes, about, of what is known of the file: no less than one."""

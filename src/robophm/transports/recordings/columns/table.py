@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,7 +27,10 @@ _SMALLEST = 2 + 2 + 5
 
 _INTERIOR, _LEAF = 5, 13
 _SIZES = np.array([0, 1, 2, 3, 4, 6, 8, 8, 0, 0, 0, 0])
-"""Bytes of a column by its type; of text and blobs the type itself says it."""
+"""Bytes of a number by its type; of text and blobs the type itself says it."""
+
+_IS_INTEGER = np.array([False, *[True] * 6, False, True, True, False, False])
+"""Whether it is a whole number, by its type; the last is of text and blobs too."""
 
 _INTEGERS = {1: [("i1", 0)], 2: [(">i2", 0)], 3: [(">i2", 8), ("u1", 0)], 4: [(">i4", 0)]} | {
     5: [(">i4", 16), (">u2", 0)],
@@ -55,8 +57,7 @@ class Rows(NamedTuple):
     """Place where the page is named that the rest of a row lies on; 0 where it is whole."""
 
 
-@dataclass
-class Table:
+class Table(NamedTuple):
     """The rows that were found of a table, and what of it is lost."""
 
     rows: Rows
@@ -67,8 +68,9 @@ class Table:
 class Pages:
     """A SQLite file as pages, numbered from 1. Raises DamageError where it is none."""
 
-    def __init__(self, content: Bytes, ahead: Callable[[int, int], None] = lambda start, end: None) -> None:
-        """``ahead`` has bytes of the file come from the disk, from one place until before another."""
+    def __init__(self, content: Bytes, ahead: Callable[[int, int], None] | None = None) -> None:
+        """``ahead`` has bytes of the file come from the disk, from one place until before another; a file without that
+        lies in memory."""
         head = content[:100].tobytes()
         size = int.from_bytes(head[16:18], "big")
         self.size = 65536 if size == 1 else size
@@ -110,7 +112,7 @@ class Pages:
 
     def fetch(self, pages: Ints) -> None:
         """Have these pages, which are in order, come from the disk: those side by side at once."""
-        if len(pages):
+        if self._ahead and len(pages):
             gaps = np.flatnonzero(np.diff(pages) != 1)
             firsts, lasts = pages[np.append(0, gaps + 1)], pages[np.append(gaps, len(pages) - 1)]
             for first, last in zip(firsts.tolist(), lasts.tolist(), strict=True):
@@ -153,7 +155,8 @@ class Pages:
         data[:at] = self.content[start:spill]
         word = spill
         begin = int.from_bytes(self.content[word : word + 4].tobytes(), "big")
-        self._ahead((begin - 1) * self.size, (begin - 1) * self.size + len(data))  # as a rule they lie side by side
+        if self._ahead:  # as a rule they lie side by side
+            self._ahead((begin - 1) * self.size, (begin - 1) * self.size + len(data))
         while at < len(data):
             page = int.from_bytes(self.content[word : word + 4].tobytes(), "big")
             if not 2 <= page <= self.count or used[page]:
@@ -226,20 +229,24 @@ def _rows(pages: Pages, begins: Ints) -> tuple[Rows, int]:
     for _ in COLUMNS:
         type_, at = varint(at)
         types.append(type_)
-    sizes = [np.where(type_ >= 12, (type_ - 12) >> 1, _SIZES[np.minimum(type_, 11)]) for type_ in types]
-    topic = record + header + sizes[0]
-    time = topic + sizes[1]
-    start = time + sizes[2]
-    end = start + sizes[3]
     _, topic_type, time_type, data_type = types
-    whole = payload <= usable - 35  # of a larger row the rest is on other pages
-    least = (usable - 12) * 32 // 255 - 23
-    here = least + (payload - least) % (usable - 4)
-    spill = np.where(whole, 0, record + np.where(here <= usable - 35, here, least))
+    numbers = [np.minimum(type_, 11) for type_ in types[:3]]
+    topic = record + header + _SIZES[numbers[0]]
+    time = topic + _SIZES[numbers[1]]
+    start = time + _SIZES[numbers[2]]
+    end = start + ((data_type - 12) >> 1)
     sound &= (at == record + header) & (end == record + payload) & (data_type >= 12) & (data_type % 2 == 0)
-    sound &= np.where(whole, end <= limit, (start <= spill) & (spill <= limit - 4) & (end - start <= len(content)))
-    sound &= _whole_numbers(topic_type) & _whole_numbers(time_type)
-    kept = np.flatnonzero(sound)
+    sound &= _IS_INTEGER[numbers[1]] & _IS_INTEGER[numbers[2]]
+    whole = payload <= usable - 35
+    spill = np.zeros_like(end)
+    if whole.all():
+        sound &= end <= limit
+    else:  # of a larger row the rest is on other pages
+        least = (usable - 12) * 32 // 255 - 23
+        here = least + (payload - least) % (usable - 4)
+        spill = np.where(whole, 0, record + np.where(here <= usable - 35, here, least))
+        sound &= np.where(whole, end <= limit, (start <= spill) & (spill <= limit - 4) & (end - start <= len(content)))
+    kept: Any = slice(None) if sound.all() else np.flatnonzero(sound)
     rows = Rows(
         row[kept],
         _integers(content, topic[kept], topic_type[kept]),
@@ -248,7 +255,7 @@ def _rows(pages: Pages, begins: Ints) -> tuple[Rows, int]:
         end[kept],
         spill[kept],
     )
-    return rows, int(counts.sum()) - len(kept)
+    return rows, int(counts.sum()) - len(rows.numbers)
 
 
 def _varint(content: Bytes, at: Ints, limit: Ints, sound: Flags) -> tuple[Ints, Ints]:
@@ -256,8 +263,10 @@ def _varint(content: Bytes, at: Ints, limit: Ints, sound: Flags) -> tuple[Ints, 
 
     Those that reach beyond their page, or have nine bytes, which no recording has, are not ``sound``.
     """
-    sound &= at < limit
-    at = np.where(sound, at, limit - 1)
+    beyond = at >= limit
+    if beyond.any():
+        sound &= ~beyond
+        at = np.where(beyond, limit - 1, at)
     value = content[at].astype(np.int64)
     behind = at + 1
     more = np.flatnonzero(value & 0x80)
@@ -273,11 +282,6 @@ def _varint(content: Bytes, at: Ints, limit: Ints, sound: Flags) -> tuple[Ints, 
         behind[more] += 1
         more = more[byte >= 0x80]
     return value, behind
-
-
-def _whole_numbers(types: Ints) -> Flags:
-    whole: Flags = ((types >= 1) & (types <= 6)) | (types == 8) | (types == 9)
-    return whole
 
 
 def _integers(content: Bytes, at: Ints, types: Ints) -> Ints:
