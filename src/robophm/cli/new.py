@@ -152,8 +152,8 @@ def _document(design: Path, draft: Draft, look: FirstLook, outcomes: Sequence[Ou
         "lived": look.lived,
         "ranges": plain(asdict(look.ranges)),
         "largest_unknowns": [
-            {"parts": [part.path for part in one.parts], "entry": one.entry, "left": one.left,
-             "quality_of": one.quality_of}
+            {"parts": [part.path for part in one.parts], "entry": one.entry, "model": one.model,
+             "left": one.left, "quality_of": one.quality_of}
             for one in look.unknowns
         ],
         "parts_of_unknown_rate": look.left_out.parts if look.left_out else 0,
