@@ -17,7 +17,8 @@ from robophm.report.first_look import advice
 
 Z = norm.ppf(0.95)
 HALF_HOUR = Task((Leg(0.5),))
-RESISTOR = "hazard: {{model: mil_hdbk_217f.resistor, inputs: {{style: RM, power: {} W, rated_power: 1 W, temperature: 40 degC}}}}"
+RESISTOR = "hazard: {{model: mil_hdbk_217f.resistor, inputs: {{style: RM, power: {} W, rated_power: 1 W, "
+RESISTOR += "temperature: 40 degC}}}}"
 COIL = "hazard: {model: mil_hdbk_217f.coil, inputs: {kind: fixed, temperature: 40 degC, temperature_rise: 10 K}}"
 BATTERY = "hazard: {model: general.battery, inputs: {chemistry: lithium_ion}}"
 STATED = "hazard: {model: general.constant, inputs: {rate: 2e-6 /h, source: its maker}}"

@@ -70,7 +70,7 @@ class LargestUnknown:
     """Parts whose rate is not exactly known, and what knowing it would make of the ranges."""
 
     parts: tuple[Component, ...]
-    """Several where they are of one entry of the library, or of one handbook's model: who learns of one learns of all."""
+    """Several where they are of one entry of the library or one handbook's model: who learns of one learns of all."""
     entry: str
     """The entry of the library of parts, with its grade; "" where the rate is from elsewhere."""
     model: str

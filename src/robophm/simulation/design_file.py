@@ -49,7 +49,7 @@ _REFERENCES: Mapping[str, float | None] = {"temperature": 25.0, "load": 1.0, "vo
 
 
 _OF_A_LIBRARY = "library: "
-"""What the source of a rate begins with where it is that of an entry."""
+"""The beginning of the source of a rate that is an entry's."""
 
 Library = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 """A function that completes a component that names a library part with all said of it; it may raise RobophmError."""

@@ -1,7 +1,7 @@
-"""How makers' numbers of gallium nitride and silicon carbide parts begin, a row for each maker, as their ordering codes say.
+"""How makers' numbers of gallium nitride and silicon carbide parts begin, a row for each maker, as ordering codes say.
 
-Nothing else tells such parts in lists that give numbers alone. A row is a series, never a single part, and no number of a
-silicon part of that maker fits it.
+Nothing else tells such parts in lists that give numbers alone. A row is a series, never a single part, and no number of
+a silicon part of that maker fits it.
 """
 
 GAN_TRANSISTORS = "|".join(
@@ -52,7 +52,8 @@ SIC_TRANSISTORS = "|".join(
         r"tw[0-9]{3}[jnvz][0-9]\w*",  # Toshiba
         r"nsf[0-9]{6}[a-z]\w*",  # Nexperia
         r"gp[23]t[0-9]{3}a\w*|gcmx[0-9]\w*",  # SemiQ
-        r"b[23]m[0-9]{6}\w*|bmf[0-9]{3}r[0-9]{2}\w*|p3m[0-9]{5}\w*|iv[123]q[0-9]{5}\w*",  # BASiC, PN Junction, InventChip
+        r"b[23]m[0-9]{6}\w*|bmf[0-9]{3}r[0-9]{2}\w*",  # BASiC
+        r"p3m[0-9]{5}\w*|iv[123]q[0-9]{5}\w*",  # PN Junction, InventChip
         r"sicfets?",
     )
 )
@@ -73,7 +74,8 @@ SIC_DIODES = "|".join(
         r"psc[0-9]{2}(65|120)[a-z]\w*",  # Nexperia
         r"vs-[34]?c[0-9]{2}[a-z]{2}[0-9]{2}\w*",  # Vishay
         r"wnsc[0-9]\w*",  # WeEn
-        r"s[346]d[0-9]{5}\w*|b[123]d[0-9]{5}\w*|p[36]d[0-9]{5}\w*|iv1d[0-9]{5}\w*",  # SMC, BASiC, PN Junction, InventChip
+        r"s[346]d[0-9]{5}\w*|b[123]d[0-9]{5}\w*",  # SMC, BASiC
+        r"p[36]d[0-9]{5}\w*|iv1d[0-9]{5}\w*",  # PN Junction, InventChip
         r"dsc[0-9]{2}[ac][0-9]{3}\w*|bsd[a-z][0-9]{2}[gs][0-9]{2,3}\w*",  # Diodes Incorporated, Bourns
     )
 )
