@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -20,9 +20,12 @@ from robophm.drafting.answers import Answers, asked
 from robophm.drafting.composing import Change, change_of
 from robophm.drafting.drafting import Draft, drafted, evidence
 from robophm.drafting.first_look import FirstLook, first_look, part_figures
+from robophm.drafting.heard import hear
+from robophm.drafting.seen import Seen
 from robophm.drafting.updating import Outcome, Updated, updated
 from robophm.drafting.writing import ASSUMPTIONS, TASKS, with_earlier, write_beside
 from robophm.health.report import plain
+from robophm.transports.running_robot import open_live
 
 
 @dataclass(frozen=True)
@@ -39,12 +42,20 @@ class Wishes:
     force: bool
     silent: bool
     """Whether nothing is asked."""
+    via: str | None = None
+    """How a robot that runs is heard; None: it is not."""
+    seconds: float = 0.0
+    """Seconds to listen to it."""
 
 
 def command(
     design: Annotated[Path, typer.Argument(help="the design to write", metavar="ROBOT.YAML")],
     urdf: Annotated[Path | None, typer.Option(help="the robot's description, expanded from xacro")] = None,
     bag: Bag = None,
+    via: Annotated[
+        str | None, typer.Option("--via", help="listen to a robot that runs: auto, ros1, ros2, dds, rclpy or mqtt://…")
+    ] = None,
+    seconds: Annotated[float, typer.Option(min=1, max=3600, help="to listen with --via")] = 10.0,
     bom: Annotated[list[str] | None, typer.Option(help="parts list and its module, main.csv=Drive/board")] = None,
     hours: Annotated[str | None, typer.Option(help="that it works a day")] = None,
     where: Annotated[str | None, typer.Option(help="it works: indoor robot, outdoor robot, factory, flying …")] = None,
@@ -67,6 +78,7 @@ def command(
         urdf, tuple(bag or ()), lists_of(bom or ()),
         Answers(hours, where, battery, computer, sensors, drive, needs), tuple(map(change_of, part or ())), name,
         update=update, force=force, silent=yes or as_json or not (sys.stdin.isatty() and sys.stdout.isatty()),
+        via=via, seconds=seconds,
     )  # fmt: skip
     run(design, wishes, as_json=as_json)
 
@@ -99,6 +111,8 @@ def run(design: Path, wishes: Wishes, *, as_json: bool) -> None:
     with counted(progress_console(), "reading") as advance:
         advance(0, 1)
         known = evidence(wishes.urdf, wishes.bags)
+    if wishes.via:
+        known = replace(known, seen=known.seen.and_of(_heard(wishes.via, wishes.seconds)))
     if not wishes.silent:
         for line in known.summary:
             console().print(line, markup=False)
@@ -126,6 +140,18 @@ def run(design: Path, wishes: Wishes, *, as_json: bool) -> None:
     if wishes.silent:
         print_parts_of(part_figures(draft.robot))
     _print(files, draft, look, outcomes)
+
+
+def _heard(via: str, seconds: float) -> Seen:
+    """What a robot that runs publishes. Raises RobophmError where nothing is heard."""
+    opened = open_live(via)
+    print(opened.said, file=sys.stderr)
+    with opened.source as source:
+        heard = hear(source, seconds)
+        hidden = source.hidden_by()
+    if not heard.topics:
+        raise RobophmError(f"nothing is published at {opened.source.place}{'; '.join(['', *hidden])}")
+    return heard
 
 
 def _folder_of(design: Path) -> None:
