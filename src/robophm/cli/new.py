@@ -27,6 +27,9 @@ from robophm.drafting.writing import ASSUMPTIONS, TASKS, with_earlier, write_bes
 from robophm.health.report import plain
 from robophm.transports.running_robot import open_live
 
+LISTENED = 10.0
+"""Seconds that a robot that runs is listened to."""
+
 
 @dataclass(frozen=True)
 class Wishes:
@@ -44,8 +47,6 @@ class Wishes:
     """Whether nothing is asked."""
     via: str | None = None
     """How a robot that runs is heard; None: it is not."""
-    seconds: float = 0.0
-    """Seconds to listen to it."""
 
 
 def command(
@@ -53,9 +54,9 @@ def command(
     urdf: Annotated[Path | None, typer.Option(help="the robot's description, expanded from xacro")] = None,
     bag: Bag = None,
     via: Annotated[
-        str | None, typer.Option("--via", help="listen to a robot that runs: auto, ros1, ros2, dds, rclpy or mqtt://…")
+        str | None,
+        typer.Option("--via", help="listen to a robot that runs, ten seconds: auto, ros1, ros2, dds, rclpy, mqtt://…"),
     ] = None,
-    seconds: Annotated[float, typer.Option(min=1, max=3600, help="to listen with --via")] = 10.0,
     bom: Annotated[list[str] | None, typer.Option(help="parts list and its module, main.csv=Drive/board")] = None,
     hours: Annotated[str | None, typer.Option(help="that it works a day")] = None,
     where: Annotated[str | None, typer.Option(help="it works: indoor robot, outdoor robot, factory, flying …")] = None,
@@ -78,7 +79,7 @@ def command(
         urdf, tuple(bag or ()), lists_of(bom or ()),
         Answers(hours, where, battery, computer, sensors, drive, needs), tuple(map(change_of, part or ())), name,
         update=update, force=force, silent=yes or as_json or not (sys.stdin.isatty() and sys.stdout.isatty()),
-        via=via, seconds=seconds,
+        via=via,
     )  # fmt: skip
     run(design, wishes, as_json=as_json)
 
@@ -112,7 +113,7 @@ def run(design: Path, wishes: Wishes, *, as_json: bool) -> None:
         advance(0, 1)
         known = evidence(wishes.urdf, wishes.bags)
     if wishes.via:
-        known = replace(known, seen=known.seen.and_of(_heard(wishes.via, wishes.seconds)))
+        known = replace(known, seen=known.seen.and_of(_heard(wishes.via)))
     if not wishes.silent:
         for line in known.summary:
             console().print(line, markup=False)
@@ -142,12 +143,12 @@ def run(design: Path, wishes: Wishes, *, as_json: bool) -> None:
     _print(files, draft, look, outcomes)
 
 
-def _heard(via: str, seconds: float) -> Seen:
+def _heard(via: str) -> Seen:
     """What a robot that runs publishes. Raises RobophmError where nothing is heard."""
     opened = open_live(via)
     print(opened.said, file=sys.stderr)
     with opened.source as source:
-        heard = hear(source, seconds)
+        heard = hear(source, LISTENED)
         hidden = source.hidden_by()
     if not heard.topics:
         raise RobophmError(f"nothing is published at {opened.source.place}{'; '.join(['', *hidden])}")

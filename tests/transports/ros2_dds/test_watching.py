@@ -107,7 +107,7 @@ def test_where_nothing_is_published_it_is_said_what_could_hide_it(
 def test_a_design_is_drafted_of_a_robot_that_runs(motor: Peer, cyclonedds: None, tmp_path: Path) -> None:
     """A lidar by the type of its topic, and the motor's temperature with what was heard of it."""
     motor.writer("/scan", "sensor_msgs::msg::dds_::LaserScan_", name="s")
-    words = ("--via", "ros2", "--seconds", "8", "--part", "motor=brushless motor", "--where", "indoor robot", "--json")
+    words = ("--via", "ros2", "--part", "motor=brushless motor", "--where", "indoor robot", "--json")
     process = start(tmp_path, "new", "robot.yaml", *words)
     said, warned = process.communicate(timeout=120)
     assert process.returncode == 0, warned
