@@ -159,3 +159,13 @@ def test_bind_without_limits_says_why_no_load_is_bound(inside, tmp_path):
     said = inside("bind", "robot.yaml", "a.mcap")
     assert "nothing says what counts as 1" in said.stderr
     assert said.stdout == "nothing written\n"
+
+
+def test_bind_says_what_it_saw_where_no_input_has_such_a_name(inside, tmp_path):
+    record(tmp_path / "a.mcap", (diagnostics(t, {"unrelated temperature": 20.0}) for t in range(10)))
+    inside("new", "robot.yaml", "--urdf", URDF)
+    said = inside("bind", "robot.yaml", "a.mcap")
+    start, end = "nothing written: no input of the design fits /diagnostics.", " by its name\n"
+    assert said.stdout.startswith(start)
+    assert said.stdout.endswith(end)
+    assert "temperature" in said.stdout[len(start) : -len(end)]

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import matplotlib as mpl
+import numpy as np
 import pytest
 
 import robophm
@@ -47,6 +48,7 @@ def test_its_figures_are_those_of_closed_forms(folder):
         assert health.reliability(hours) == pytest.approx(since_new, rel=1e-9)
         assert health.survival_of_next(hours) == pytest.approx(since_new / math.exp(-hazard(10)), rel=1e-9)
         assert health.reliability(hours, "nominal") == pytest.approx(math.exp(-hazard(10 + hours, 1)), rel=1e-9)
+    assert health.survival_of_next([]).shape == health.reliability(np.empty((2, 0)))[0].shape == (0,)
     drive = math.exp(-(hazard(1010) - hazard(10)) + 2e-5 * 1000)
     assert health.survival_of_next(1000.0, of="drive") == pytest.approx(drive, rel=1e-9)
 

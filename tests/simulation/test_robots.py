@@ -325,6 +325,18 @@ def test_equal_parts_share_a_draw_of_the_rate(design, same_plan):
     assert 150 < (hours < 30).sum() < 250
 
 
+@pytest.mark.parametrize(("own", "between"), [("", False), (", rate: 0.5 /h", True)])
+def test_parts_of_one_entry_share_a_draw_and_figures_of_their_own_do_not(design, same_plan, own, between):
+    """Of ten side by side, each of two rates far apart: a robot lives in between only where each has its own draw."""
+    said = f"{{part: imu{own}, uncertainty: {{samples: [1e-3 /h, 1 /h]}}}}"
+    parts = ", ".join(f"p{i}: {said}" for i in range(10))
+    diagram = ", ".join(f"p{i}" for i in range(10))
+    robot = design(f"components: {{{parts}}}\ndiagram: {{parallel: [{diagram}]}}")
+    plans = same_plan(robot, 400, HOUR, [[(HOUR, 0.0, None)]])
+    hours = first(live(robot, plans, 1, np.random.default_rng(14), uncertain_rates=True), 400) / HOUR
+    assert ((hours > 30) & (hours < 200)).any() == between
+
+
 def test_failure_modes_are_in_series(design, same_plan):
     robot = design("components: {p: {failure_modes: {x: {rate: 0.03 /h}, y: {rate: 0.02 /h}}}}")
     plans = same_plan(robot, 3000, HOUR, [[(HOUR, 0.0, None)]])

@@ -16,7 +16,10 @@ from robophm.core.errors import RobophmError, nearest
 from robophm.design.file import load, rewrite
 from robophm.drafting.binding import bound_text
 from robophm.drafting.bindings import Proposal, limits_of, proposals
-from robophm.drafting.seen import look
+from robophm.drafting.seen import Seen, look
+
+SHOWN = 5
+"""Signals that are named where none fits."""
 
 
 def command(
@@ -30,7 +33,8 @@ def command(
     """Propose bindings for the inputs of a design by what recordings have, and write those that are accepted."""
     may_write(design, *bags)
     robot = load(design)
-    found, notes = proposals(robot, look(bags), limits_of(urdf))
+    seen = look(bags)
+    found, notes = proposals(robot, seen, limits_of(urdf))
     asks = not (yes or accept or as_json) and sys.stdin.isatty() and sys.stdout.isatty()
     if not as_json:
         print_bindings(found, notes)
@@ -43,8 +47,21 @@ def command(
         print_json({"robot": robot.name, "proposals": document, "not_bound": notes})
         return
     said = f"{len(accepted)} of {len(found)} written to {design}" if accepted else "nothing written"
-    more = "" if accepted or not found else "; --yes accepts all, --accept 'PART: INPUT' some"
+    more = ""
+    if not accepted and (found or not notes):
+        more = "; --yes accepts all, --accept 'PART: INPUT' some" if found else _why_none(seen)
     console().print(f"{said}{more}", markup=False, soft_wrap=True)
+
+
+def _why_none(seen: Seen) -> str:
+    """Why nothing could be proposed, with some of what is there."""
+    some = ", ".join(one.name for one in seen.signals[:SHOWN])
+    more = f" and {len(seen.signals) - SHOWN} more" if len(seen.signals) > SHOWN else ""
+    return (
+        f": no input of the design fits {some}{more} by its name"
+        if some
+        else ": no signal that parts answer to is there"
+    )
 
 
 def _named(found: Sequence[Proposal], accept: Sequence[str]) -> list[Proposal]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -21,8 +21,14 @@ from robophm.drafting.answers import Answers, asked
 from robophm.drafting.composing import Change, change_of
 from robophm.drafting.drafting import Draft, drafted, evidence
 from robophm.drafting.first_look import FirstLook, first_look, part_figures
+from robophm.drafting.heard import hear
+from robophm.drafting.seen import Seen
 from robophm.drafting.updating import Outcome, Updated, updated
 from robophm.drafting.writing import ASSUMPTIONS, TASKS, with_earlier, write_beside
+from robophm.transports.running_robot import open_live
+
+LISTENED = 10.0
+"""Seconds that a robot that runs is listened to."""
 
 
 @dataclass(frozen=True)
@@ -39,12 +45,18 @@ class Wishes:
     force: bool
     silent: bool
     """Whether nothing is asked."""
+    via: str | None = None
+    """How a robot that runs is heard; None: it is not."""
 
 
 def command(
     design: Annotated[Path, typer.Argument(help="the design to write", metavar="ROBOT.YAML")],
     urdf: Annotated[Path | None, typer.Option(help="the robot's description, expanded from xacro")] = None,
     bag: Bag = None,
+    via: Annotated[
+        str | None,
+        typer.Option("--via", help="listen to a robot that runs, ten seconds: auto, ros1, ros2, dds, rclpy, mqtt://…"),
+    ] = None,
     bom: Annotated[list[str] | None, typer.Option(help="parts list and its module, main.csv=Drive/board")] = None,
     hours: Annotated[str | None, typer.Option(help="that it works a day")] = None,
     where: Annotated[str | None, typer.Option(help="it works: indoor robot, outdoor robot, factory, flying …")] = None,
@@ -67,6 +79,7 @@ def command(
         urdf, tuple(bag or ()), lists_of(bom or ()),
         Answers(hours, where, battery, computer, sensors, drive, needs), tuple(map(change_of, part or ())), name,
         update=update, force=force, silent=yes or as_json or not (sys.stdin.isatty() and sys.stdout.isatty()),
+        via=via,
     )  # fmt: skip
     run(design, wishes, as_json=as_json)
 
@@ -99,6 +112,8 @@ def run(design: Path, wishes: Wishes, *, as_json: bool) -> None:
     with counted(progress_console(), "reading") as advance:
         advance(0, 1)
         known = evidence(wishes.urdf, wishes.bags)
+    if wishes.via:
+        known = replace(known, seen=known.seen.and_of(_heard(wishes.via)))
     if not wishes.silent:
         for line in known.summary:
             console().print(line, markup=False)
@@ -128,6 +143,18 @@ def run(design: Path, wishes: Wishes, *, as_json: bool) -> None:
     _print(files, draft, look, outcomes)
 
 
+def _heard(via: str) -> Seen:
+    """What a robot that runs publishes. Raises RobophmError where nothing is heard."""
+    opened = open_live(via)
+    print(opened.said, file=sys.stderr)
+    with opened.source as source:
+        heard = hear(source, LISTENED)
+        hidden = source.hidden_by()
+    if not heard.topics:
+        raise RobophmError(f"nothing is published at {opened.source.place}{'; '.join(['', *hidden])}")
+    return heard
+
+
 def _folder_of(design: Path) -> None:
     """Make the folder of a new robot, in one that is there. Raises RobophmError."""
     if design.suffix not in (".yaml", ".yml"):
@@ -152,8 +179,8 @@ def _document(design: Path, draft: Draft, look: FirstLook, outcomes: Sequence[Ou
         "lived": look.lived,
         "ranges": plain(asdict(look.ranges)),
         "largest_unknowns": [
-            {"parts": [part.path for part in one.parts], "entry": one.entry, "left": one.left,
-             "quality_of": one.quality_of}
+            {"parts": [part.path for part in one.parts], "entry": one.entry, "model": one.model,
+             "left": one.left, "quality_of": one.quality_of}
             for one in look.unknowns
         ],
         "parts_of_unknown_rate": look.left_out.parts if look.left_out else 0,

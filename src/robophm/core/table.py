@@ -24,8 +24,13 @@ class Source:
     status: str
     """Statement of how the transcription was checked."""
 
+    @property
+    def printed(self) -> bool:
+        """Whether it is a document with sections; else it is somebody's own figure or equation."""
+        return self.section != "–"
+
     def __str__(self) -> str:
-        if self.section == "–":
+        if not self.printed:
             return self.title
         numbered = any(letter.isdigit() for letter in self.page[:3])  # 10-1 or A-3, not "Table 4"
         page = f", {'p. ' if numbered else ''}{self.page}" if self.page != "–" else ""

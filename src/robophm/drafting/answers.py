@@ -127,6 +127,8 @@ class Known:
         if self.seen.recorded:
             bags, topics = len(self.seen.recorded), len(self.seen.topics)
             yield f"{bags} recording{'s' * (bags != 1)}, {topics} topics"
+        elif self.seen.topics:
+            yield f"{len(self.seen.topics)} topics heard of the robot that runs"
 
 
 def questions(known: Known) -> Iterator[Question]:

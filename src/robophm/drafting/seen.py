@@ -1,4 +1,7 @@
-"""Recordings at a glance: their topics with types and rates, and values of the signals that a design could bind."""
+"""Recordings at a glance: their topics with types and rates, and values of the signals that a design could bind.
+
+A robot that runs is seen alike (``heard``).
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ from robophm.core.errors import SourceError, UnitError
 from robophm.core.signal import SECOND, any_element, bracketed, signal_name, steps_of
 from robophm.core.units import quantity
 from robophm.design.importers.urdf.drives import words_of
-from robophm.measured.overview import Overview, overview, per_second
+from robophm.measured.overview import Topic, overview, per_second
 from robophm.measured.recordings import Recorded, Signal, recordings, signal_of
 from robophm.measured.statistics import statistics_of
 from robophm.measured.travel import Travel
@@ -95,7 +98,7 @@ class SeenSignal:
 
 @dataclass(frozen=True)
 class Seen:
-    """Topics and signals of some recordings, with notes on what was not looked at."""
+    """Topics and signals of recordings, or of a robot that runs, with notes on what was not looked at."""
 
     recorded: tuple[Recorded, ...]
     topics: tuple[SeenTopic, ...]
@@ -105,6 +108,15 @@ class Seen:
     def of_type(self, *types: str) -> list[SeenTopic]:
         """The topics of these types."""
         return [one for one in self.topics if one.type in types]
+
+    def and_of(self, other: Seen) -> Seen:
+        """Return these with the topics and signals of others that are not among them."""
+        topics = {one.name: one for one in (*other.topics, *self.topics)}
+        signals = {one.name: one for one in (*other.signals, *self.signals)}
+        return Seen(
+            (*self.recorded, *other.recorded), tuple(topics.values()), tuple(signals.values()),
+            (*self.notes, *other.notes),
+        )  # fmt: skip
 
 
 NOTHING = Seen((), (), ())
@@ -121,10 +133,12 @@ def look(paths: Sequence[Path]) -> Seen:
     looks = [overview(one) for one in found]
     topics = {topic.name: topic for one in reversed(looks) for topic in one.topics}
     seen = [
-        SeenTopic(name, one.type.replace("/msg/", "/"), max(per_second(one) or (), default=None))
+        SeenTopic(name, plain_type(one.type), max(per_second(one) or (), default=None))
         for name, one in sorted(topics.items())
     ]
-    sought = [signal for one, look in zip(found, looks, strict=True) for signal in _signals(look, _elements(one))]
+    sought = [
+        signal for one, look in zip(found, looks, strict=True) for signal in bindable(look.topics, _elements(one))
+    ]
     sought = list({one.name: one for one in sought}.values())
     notes = [f"{len(sought) - MOST_SIGNALS:,} signals more were not looked at"] if len(sought) > MOST_SIGNALS else []
     return Seen(tuple(found), tuple(seen), tuple(_valued(found, sought[:MOST_SIGNALS])), tuple(notes))
@@ -137,9 +151,14 @@ def _elements(one: Recorded) -> Mapping[str, Sequence[str]]:
     )
 
 
-def _signals(one: Overview, elements: Mapping[str, Sequence[str]]) -> Iterator[SeenSignal]:
-    """The signals of a recording that could be bound: by the words and units of fields and of their elements."""
-    for topic in one.topics:
+def plain_type(type_: str) -> str:
+    """A type of messages in the spelling of both generations of ROS: sensor_msgs/LaserScan."""
+    return type_.replace("/msg/", "/")
+
+
+def bindable(topics: Sequence[Topic], elements: Mapping[str, Sequence[str]]) -> Iterator[SeenSignal]:
+    """Yield the signals that could be bound, without values: by the words and units of fields and of their elements."""
+    for topic in topics:
         fields = [(field, topic.fields[field]) for field in topic.fields if "[]" not in field]
         fields += [(field, topic.fields.get(any_element(field))) for field in elements.get(topic.name, ())]
         inner = " ".join(topic.names)  # what has arrays of its own is no number
@@ -157,7 +176,7 @@ def _signals(one: Overview, elements: Mapping[str, Sequence[str]]) -> Iterator[S
 
 
 def _is_key_value(type_: str, array: str) -> bool:
-    return type_.replace("/msg/", "/") == "diagnostic_msgs/DiagnosticArray" and array.endswith(".values[]")
+    return plain_type(type_) == "diagnostic_msgs/DiagnosticArray" and array.endswith(".values[]")
 
 
 def _kind(topic: str, type_: str, field: str, unit: str | None) -> str:
@@ -169,7 +188,7 @@ def _kind(topic: str, type_: str, field: str, unit: str | None) -> str:
         for kind in ("position", "velocity"):
             if kind in (steps_of(field)[0].field, last_step.element):
                 return kind
-    if type_.replace("/msg/", "/").startswith("std_msgs/"):
+    if plain_type(type_).startswith("std_msgs/"):
         last = words_of(topic.rpartition("/")[2])  # its only field says nothing
     for kind, called in KINDS.items():
         if called & set(last) and (unit is None or _fits(unit, _UNITS[kind])):

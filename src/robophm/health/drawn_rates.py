@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from scipy.special import gammaincinv, ndtri
 
 from robophm.core.spread import deviation_of
@@ -17,9 +23,10 @@ Array = npt.NDArray[np.float64]
 def draw_rates(plant: Plant, count: int, seed: int) -> Array:
     """Ratio of each mode's rate to the stated one in so many draws; shape (modes, count), each row of mean 1.
 
-    Each is drawn evenly from its distribution (McKay, Beckman and Conover 1979) and on its own: another part in the
-    design changes nothing. What a common cause takes from a part has that part's rate; parts of one entry of the
-    library have one (``state_of_knowledge``), and parts of one level share how good they are (``draw_qualities``).
+    Each unknown is drawn evenly from its distribution (McKay, Beckman and Conover 1979) and on its own: another part in
+    the design changes nothing. What a common cause takes from a part has that part's rate; parts of one handbook's
+    model or entry of the library share one unknown (``state_of_knowledge``), and parts of one level how good they are
+    (``draw_qualities``).
     """
     ratios = draw_qualities(plant, count, seed)
     for i, mode in enumerate(plant.robot.modes):
@@ -51,25 +58,49 @@ def _levels(key: str, count: int, seed: int) -> Array:
     return drawn
 
 
-def drawn_together(robot: Robot, mode: FailureMode) -> str:
-    """A key of the rates that share any unknown: of one level of unknown quality, else of one state of knowledge."""
-    quality = mode.uncertainty.quality if mode.uncertainty else None
-    return f"quality of {quality.level}" if quality else state_of_knowledge(robot, mode)
+def drawn_together(robot: Robot, modes: Sequence[int]) -> list[list[int]]:
+    """Places in a list of uncertain modes, by the unknowns that they share, directly or through others."""
+    unknowns: dict[str, int] = {}
+    pairs = []
+    for place, i in enumerate(modes):
+        mode, keys = robot.modes[i], [f"mode {i}"]
+        if (unsure := mode.uncertainty) and replace(unsure, quality=None) != Uncertainty():
+            keys.append(state_of_knowledge(robot, mode))
+        if unsure and unsure.quality:
+            keys.append(f"quality of {unsure.quality.level}")
+        pairs += [(place, len(modes) + unknowns.setdefault(key, len(unknowns))) for key in keys]
+    size = len(modes) + len(unknowns)
+    shared = coo_array((np.ones(len(pairs)), np.array(pairs).T.reshape(2, -1)), (size, size))
+    _, label = connected_components(shared, directed=False)
+    found = defaultdict(list)
+    for place in range(len(modes)):
+        found[label[place]].append(place)
+    return list(found.values())
 
 
 def state_of_knowledge(robot: Robot, mode: FailureMode) -> str:
     """A key of the uncertainty of a rate: failure modes with equal keys share one unknown, and so one draw.
 
-    An entry of the library says of a kind of part how often it fails. Where that is three times off, it is so for all
-    parts of that entry, until the field has said something of one (state-of-knowledge correlation: Apostolakis and
-    Kaplan, Reliability Engineering 2, 1981). So it is where one of them works more than another and has a
-    higher rate as stated: what is shared is the factor by which the entry is off.
+    A handbook's model, and an entry of the library, say of a kind of part how often it fails. Where that is three times
+    off, it is so for all parts of that kind, until the field has said something of one (state-of-knowledge correlation:
+    Apostolakis and Kaplan, Reliability Engineering 2, 1981). So it is where one of them works more than another and has
+    a higher rate as stated: what is shared is the factor by which model or entry is off. A figure of a part's own
+    is off by itself.
     """
-    entry = graded(mode.source)
-    if mode.evidence or not entry:
+    if mode.evidence:
         return mode.origin
-    name = mode.origin.removeprefix(robot.part_of(mode))  # of the mode in its part; "" where that has one alone
-    return f"{entry} {mode.clock} {name}"
+    if model := handbook_of(mode):
+        return model
+    if entry := graded(mode.source):
+        name = mode.origin.removeprefix(robot.part_of(mode))  # of the mode in its part; "" where that has one alone
+        return f"{entry} {mode.clock} {name}"
+    return mode.origin
+
+
+def handbook_of(mode: FailureMode) -> str:
+    """The name of the handbook's model that a rate is computed by; "" where it is stated, or by an own equation."""
+    model = mode.stresses[0].model if mode.stresses else None
+    return model.name if model and model.unit and model.source.printed else ""
 
 
 def _ratio(uncertainty: Uncertainty, level: Array) -> Array:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -18,7 +19,7 @@ import numpy.typing as npt
 from robophm.blocks.diagram import Block
 from robophm.design.robot import Component
 from robophm.design.task import Leg, Task
-from robophm.health.drawn_rates import draw_qualities, draw_rates
+from robophm.health.drawn_rates import draw_qualities, draw_rates, handbook_of
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.uncertainty import (
@@ -69,9 +70,11 @@ class LargestUnknown:
     """Parts whose rate is not exactly known, and what knowing it would make of the ranges."""
 
     parts: tuple[Component, ...]
-    """Several where they are of one entry of the library: who learns of one learns of all."""
+    """Several where they are of one entry of the library or one handbook's model: who learns of one learns of all."""
     entry: str
     """The entry of the library of parts, with its grade; "" where the rate is from elsewhere."""
+    model: str
+    """The name of the handbook's model where there is no entry; "" where the rate is from elsewhere."""
     quality_of: str | None
     """The path of the level whose quality alone would be known; None where the rate itself would be."""
     if_known: Ranges
@@ -99,31 +102,44 @@ def largest_unknowns(
         told = _told(outlook, task, ratios)
         first = sorted(unsure, key=lambda key: -float(sum(told[row] for row in unsure[key])))[:MOST_TRIED]
         unsure = {key: unsure[key] for key in first}
-    found: list[tuple[list[int], str, str | None, Array]] = []
+    found: list[tuple[list[int], _Origin, str | None, Array]] = []
     qualities = draw_qualities(plant, draws, seed)
-    for (entry, _), rows in unsure.items():
+    for origin, rows in unsure.items():
         known = ratios.copy()
         known[rows] = 1.0
-        found.append((rows, entry, None, known))
+        found.append((rows, origin, None, known))
     for board, rows in _unknown_qualities(plant).items():
         known = ratios.copy()
         known[rows] /= qualities[rows]
-        found.append((rows, "", board, known))
+        found.append((rows, _Origin(), board, known))
     narrowed = []
-    for rows, entry, level, known in found:
+    for rows, origin, level, known in found:
         if_known = _ranges(outlook, diagram, task, known)
         parts = tuple(plant.components[i] for i in dict.fromkeys(plant.part[rows].tolist()))
-        narrowed.append(LargestUnknown(parts, entry, level, if_known, if_known.as_wide_as(now)))
+        narrowed.append(LargestUnknown(parts, origin.entry, origin.model, level, if_known, if_known.as_wide_as(now)))
     return sorted((one for one in narrowed if one.left < 1.0), key=lambda one: one.left)[:most]
 
 
-def _unsure(outlook: Outlook, ratios: Array) -> dict[tuple[str, int], list[int]]:
-    """The failure modes whose rates are not exact: of one entry of the library together, else of one part."""
+class _Origin(NamedTuple):
+    """Where a rate is from: an entry of the library, else a handbook's model, else the part itself."""
+
+    entry: str = ""
+    model: str = ""
+    part: int = -1
+
+
+def _unsure(outlook: Outlook, ratios: Array) -> dict[_Origin, list[int]]:
+    """The failure modes whose rates are not exact, by what they share; what the field has spoken of by its part."""
     plant = outlook.plant
     found = defaultdict(list)
     for row in np.flatnonzero(np.ptp(ratios, axis=1) > 0).tolist():
-        entry = graded(plant.robot.modes[row].source)
-        found[entry, -1 if entry else int(plant.part[row])].append(row)
+        mode, part = plant.robot.modes[row], int(plant.part[row])
+        origin = _Origin(part=part)
+        if not mode.evidence and (entry := graded(mode.source)):
+            origin = _Origin(entry=entry)
+        elif not mode.evidence and (model := handbook_of(mode)):
+            origin = _Origin(model=model)
+        found[origin].append(row)
     return found
 
 

@@ -276,7 +276,7 @@ class HealthReport:
 def _shaped(curve: Callable[[Array], Array], hours: float | Sequence[float] | Array) -> float | Array:
     """A curve at hours in their own shape. Raises RobophmError where they are negative or not finite."""
     asked = numbers(hours, "hours")
-    found = curve(asked.ravel()).reshape(asked.shape)
+    found = (curve(asked.ravel()) if asked.size else asked).reshape(asked.shape)
     return found if asked.ndim else float(found)
 
 

@@ -1,6 +1,6 @@
 """The uncertainty of a prognosis, its three sources told apart: chance itself, rates, and the load to come.
 
-An uncertain rate speeds up the ageing of its failure mode: H(θ·u), one θ for all equal parts. Draws count by the
+An uncertain rate speeds up the ageing of its failure mode: H(θ·u), one θ for all parts of one kind. Draws count by the
 probability of what is known under them, survival to now above all. The load to come is drawn from the robot's own
 history.
 """
@@ -8,7 +8,6 @@ history.
 from __future__ import annotations
 
 import math
-from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -336,11 +335,9 @@ class DrawnRates:
         evidence = -working * lived - unknown * (lived - unseen)
         alone = evidence.sum(axis=0)
         if _effective(alone) < _FEWEST_EFFECTIVE * len(alone):  # together they leave few draws: draw by each instead
-            same_rate: dict[str, list[int]] = defaultdict(list)
-            robot = outlook.plant.robot
-            for i in np.flatnonzero(np.ptp(ratios, axis=1) > 0).tolist():
-                same_rate[drawn_together(robot, robot.modes[m[i]])].append(i)
-            for modes in same_rate.values():
+            unsure = np.flatnonzero(np.ptp(ratios, axis=1) > 0)
+            for together in drawn_together(outlook.plant.robot, m[unsure].tolist()):
+                modes = unsure[together].tolist()
                 chosen = _resampled(evidence[modes].sum(axis=0))
                 for rows in (ratios, lived, unseen):
                     rows[modes] = rows[modes][:, chosen]

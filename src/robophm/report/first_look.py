@@ -47,6 +47,8 @@ def _quality_asked(one: LargestUnknown, level: str) -> str:
 
 
 def _whom(one: LargestUnknown) -> str:
+    if one.model and len(one.parts) > 1:
+        return f"the makers for failure rates of what {one.model} rates"
     entry = library().get(one.entry.partition(",")[0])
     if entry is None:
         return "the maker for a failure rate"

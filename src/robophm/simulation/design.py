@@ -86,7 +86,7 @@ class Mode:
     duty: float
     stresses: tuple[Stress, ...]
     origin: str
-    """Path of the component's mode: its equal parts share one draw of the rate."""
+    """Key of its true rate, of which modes with the same share one draw: its path in the component, or its entry."""
     uncertainty: tuple[str, tuple[float, ...]] | None
 
 

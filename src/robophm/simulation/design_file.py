@@ -48,6 +48,9 @@ _ACCELERATIONS: Mapping[str, tuple[str, str, str, float | None]] = {
 _REFERENCES: Mapping[str, float | None] = {"temperature": 25.0, "load": 1.0, "voltage": None}
 
 
+_OF_A_LIBRARY = "library: "
+"""The beginning of the source of a rate that is an entry's."""
+
 Library = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 """A function that completes a component that names a library part with all said of it; it may raise RobophmError."""
 
@@ -95,6 +98,14 @@ def _line(data: Any, place: Place) -> int:
         line = data.lc.key(step)[0] + 1
         data = data[step]
     return line
+
+
+def _origin(name: Place, path: Place, mode: Mapping[str, Any]) -> str:
+    """A key of the true rate of a mode: of parts of one entry of a library it is the same many times as stated."""
+    source = str(mode.get("source", ""))
+    if source.startswith(_OF_A_LIBRARY) and not mode.get("learned"):
+        return " ".join((source, str(mode.get("clock")), *name))
+    return "/".join(path)
 
 
 @dataclass(frozen=True)
@@ -200,7 +211,7 @@ class _Reader:
         if first + count > MOST_PARTS:
             raise LocatedError(place, f"the robot has more than {MOST_PARTS:,} parts")
         self.parts += [name] if count == 1 else [f"{name}[{i}]" for i in range(1, count + 1)]
-        modes = [self._mode(at, one, offsets, scope, "/".join(key)) for key, at, one in places]
+        modes = [self._mode(at, one, offsets, scope, _origin(key[len(path) :], key, one)) for key, at, one in places]
         self.modes += [replace(mode, part=first + i) for i in range(count) for mode in modes]
         self.components[name] = Group(required, tuple(range(first, first + count)))
 

@@ -111,22 +111,25 @@ class _Robots:
         self._renew(np.ones((self.count, len(design.parts)), dtype=bool), np.array([mode.initial for mode in modes]))
 
     def _rate_factors(self, uncertain: bool) -> Array:
-        """The true rates of each robot as multiples of the stated ones; equal parts share one draw."""
+        """The true rates of each robot as multiples of the stated ones; modes of one origin share one unknown."""
         factors = np.ones((self.count, len(self.design.modes)))
-        drawn: dict[str, Array] = {}
+        drawn: dict[tuple[str, object], Array] = {}
         for m, mode in enumerate(self.design.modes):
             if not uncertain or mode.uncertainty is None:
                 continue
             kind, values = mode.uncertainty
-            if mode.origin not in drawn:
-                if kind == "error_factor":  # 95th percentile / median = exp(1.645 σ); the mean is 1
-                    sigma = np.log(values[0]) / 1.6448536269514722
-                    drawn[mode.origin] = np.exp(sigma * self.rng.standard_normal(self.count) - sigma**2 / 2)
+            key = (mode.origin, None if kind == "error_factor" else mode.uncertainty)
+            if key not in drawn:
+                if kind == "error_factor":
+                    drawn[key] = self.rng.standard_normal(self.count)
                 elif kind == "failures":
-                    drawn[mode.origin] = self.rng.gamma(values[0], 1 / values[0], self.count)
+                    drawn[key] = self.rng.gamma(values[0], 1 / values[0], self.count)
                 else:
-                    drawn[mode.origin] = self.rng.choice(np.array(values), self.count)
-            factors[:, m] = drawn[mode.origin]
+                    drawn[key] = self.rng.choice(np.array(values), self.count)
+            factors[:, m] = drawn[key]
+            if kind == "error_factor":  # 95th percentile / median = exp(1.645 σ); the mean is 1
+                sigma = np.log(values[0]) / 1.6448536269514722
+                factors[:, m] = np.exp(sigma * drawn[key] - sigma**2 / 2)
         return factors
 
     def _renew(self, parts: Flags, ages: Array) -> None:

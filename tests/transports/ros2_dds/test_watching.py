@@ -102,3 +102,18 @@ def test_where_nothing_is_published_it_is_said_what_could_hide_it(
     assert "0 topics" in said
     assert f"warning: nothing is published at domain {domain + 100}, this machine\n" in warned
     assert f"hint: robots in other domains than {domain + 100} are not heard: set ROS_DOMAIN_ID\n" in warned
+
+
+def test_a_design_is_drafted_of_a_robot_that_runs(motor: Peer, cyclonedds: None, tmp_path: Path) -> None:
+    """A lidar by the type of its topic, and the motor's temperature with what was heard of it."""
+    motor.writer("/scan", "sensor_msgs::msg::dds_::LaserScan_", name="s")
+    words = ("--via", "ros2", "--part", "motor=brushless motor", "--where", "indoor robot", "--json")
+    process = start(tmp_path, "new", "robot.yaml", *words)
+    said, warned = process.communicate(timeout=120)
+    assert process.returncode == 0, warned
+    document = json.loads(said)
+    assert {"lidar_2d", "bldc_motor"} <= {part["entry"] for part in document["parts"]}
+    (bound,) = (one for one in document["bound"] if one["input"] == "temperature")
+    assert (bound["part"], bound["signals"]) == ("further parts/motor", ["/motor.temperature"])
+    assert bound["seen"].startswith("35 … 35 degC, ")
+    assert parse((tmp_path / "robot.yaml").read_text()).signals

@@ -46,6 +46,42 @@ ROWS = (  # reference, value, description, and what it is, by the makers' own pa
 )
 
 
+NUMBERS = {  # as makers print them on parts that are sold, each without a word beside it
+    ("Q", "gan_transistor"): """
+        EPC2302 EPC7001 GS61008P GAN041-650WSB GAN7R0-150LBE IGLD60R190D1 IGLR60R190D1 IGT65R055D2 IGC033S10S1
+        IGD70R140D2S TPH3206PS TP65H480G4JSG INN650D240A INN100W032A GNP1070TC-Z SGT65R65AL CGD65B130S2 CGH40010F
+        CG2H40010 QPD1009 NV6113 NV6128""",
+    ("U", "gan_transistor"): """
+        LMG2100R044 LMG2610 LMG3522R030-Q1 LMG5200 EPC2152 EPC23102 NV6247 NV6257C MASTERGAN4 VIPERGAN50
+        IGI60F1414A1L BM3G007MUV-LB ISG3201""",
+    ("Q", "sic_transistor"): """
+        C2M0080120D E3M0075120K CAB450M12XM3 SCT040W65G3-4 SCT10N120 SCT4045DR BSM120D12P2C005 IMW65R048M1H
+        IMBG120R030M1H IMDQ75R016M1H AIMW120R045M1 AIMZHN120R040M1T FF8MR12W2M1_B11 NTBG020N090SC1 NTH4L014N120M3P
+        NVBG022N120M3S NTT2023N065M3S NXH010P120MNF1 UF4SC120030K4S UJ3N120070K3S MSC025SMA120B LSIC1MO120E0080
+        G3R75MT12D TW070J120B NSF040120L3A0 GP2T040A120H B2M040120Z P3M12080K3 IV1Q12050T3""",
+    ("D", "sic_diode"): """
+        C6D20065D E4D20120A CSD10060A SCS220KG SCS304AP STPSC20H12 IDWD40G120C5 AIDW40S65C5 FFSH20120A NDSH25170A
+        MSC030SDA120B UJ3D1210KS GD10MPS12A TRS10E65C PSC1065K VS-3C10ET07S2L WNSC2D101200 B1D10065F""",
+    ("Q", SILICON): """
+        IGW40N60H3 IGB10N60T IGD06N60T IKW40N120T2 FF450R12ME4 BSM50GB120DLC NDS331N NTMFS5C404N NTH027N65S3F
+        CSD18540Q5B IMX1T110 IMZ1AT108 IMH11AT110 TPH1R403NL TP0610K GT30J121""",
+    ("D", SILICON): "IDP30E65D1 IDW40E65D1 STTH8R06 MBR20100 VS-8ETH06 SDT10A45 FFPF08H60S",
+    ("U", SILICON): "TRS3232E DSC1001 LMG1205 LMG1020 INN3278C GS2962 EP2S15",
+}
+
+
+@pytest.mark.parametrize(("letter", "expected"), NUMBERS)
+def test_makers_numbers_alone_tell_what_a_part_is_made_of(tmp_path, letter, expected):
+    numbers = NUMBERS[letter, expected].split()
+    rows = "".join(f"{letter}{i},{number}\n" for i, number in enumerate(numbers))
+    (source := tmp_path / "power.csv").write_text("Reference,Value\n" + rows)
+    taken = {}
+    for one in import_bom(source, tmp_path / "robot.yaml").parts:
+        entry = one.rating.entry if one.rating else None
+        taken |= {int(reference[1:]): entry.name if entry else SILICON for reference in one.part.references}
+    assert {numbers[i]: made_of for i, made_of in taken.items()} == dict.fromkeys(numbers, expected)
+
+
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):
     folder = tmp_path_factory.mktemp("list")

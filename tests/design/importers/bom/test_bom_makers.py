@@ -60,6 +60,8 @@ def test_an_autopilot_is_within_what_makers_state_of_controller_boards(shared, t
     """The drafted range of the Pixhawk, indoors, holds all three statements; in the air it holds none."""
     low, high = mean_lives(imported(shared, tmp_path, "pixhawk_fmuv3.xlsx", None).parts)
     assert all(low < stated < high for stated in CONTROLLER_BOARDS)
+    pedigree = 1 / total_rate(imported(shared, tmp_path, "pixhawk_fmuv3.xlsx", "known pedigree").parts)
+    assert max(CONTROLLER_BOARDS) < pedigree < 1.3 * max(CONTROLLER_BOARDS)  # above all of them, by a fifth or so
     _, highest = mean_lives(imported(shared, tmp_path, "pixhawk_fmuv3.xlsx", None, "flying").parts)
     assert highest < min(CONTROLLER_BOARDS)
 
@@ -74,3 +76,6 @@ def test_the_board_of_a_turtlebot_reaches_into_it(shared, tmp_path):
     assert len(found.of_state("needs a rate")) == 5
     low, high = mean_lives(found.parts)
     assert [low < stated < high for stated in CONTROLLER_BOARDS] == [True, True, False]
+    assumed = Assumptions(quality="known pedigree")
+    found = import_bom(saved, tmp_path / "pedigree.yaml", assumptions=assumed, environment="indoor")
+    assert min(CONTROLLER_BOARDS) < 1 / total_rate(found.parts) < max(CONTROLLER_BOARDS)

@@ -6,25 +6,7 @@ import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-GAN_TRANSISTORS = (
-    r"epc[278][0-9]{3,4}\w*|gs-?0[0-9]{2}-?[0-9]{3}\w*|gs6[16][0-9]{3}\w*|gan[a-z]?[0-9]{2,4}\w*|"
-    r"ig(o|t|l|ot|ld|lr|lt)[0-9]{2}r\w*|tp(65|90|44)h[0-9]\w*|tph32[0-9]{2}\w*|inn(40|100|150|650)[a-z]\w*|pga26[ec]\w*|"
-    r"cghv?[0-9]\w*|ganfets?"
-)
-"""Beginnings of numbers of gallium nitride transistors."""
-
-SIC_TRANSISTORS = (
-    r"[ce][23]m[0-9]{7}\w*|sct[0-9]{2}n\w*|sct[234][0-9]{3}[a-z]{2}\w*|sct[a-z]{1,2}[0-9]+n[0-9]\w*|"
-    r"a?im(w|z|bg|za|yh|bf|cq|t|l)[a-z]?[0-9]{2,3}r\w*|n[tv][a-z0-9]+sc1\w*|u[fj][34][cn][0-9]\w*|msc[0-9]{3}sm\w*|"
-    r"lsic1mo\w*|g[23]r[0-9]+m\w*|tw[0-9]{3}[jnz][0-9]\w*|sicfets?"
-)
-"""The same of silicon carbide transistors."""
-
-SIC_DIODES = (
-    r"[ce][3-6]d[0-9]{5}\w*|scs[1-3][0-9]{2}[a-z]\w*|stpsc[0-9]\w*|id[hwkm][0-9]{2}[gs][0-9]\w*|ffs[hpbdm][0-9]{4}\w*|"
-    r"lsic2sd\w*|msc[0-9]{3}sd\w*|uj3d[0-9]\w*|gb[0-9]{2}(slt|mps)\w*|wnsc[0-9]\w*"
-)
-"""The same of silicon carbide diodes."""
+from robophm.design.importers.bom.wide_band_gap_series import GAN_TRANSISTORS, SIC_DIODES, SIC_TRANSISTORS
 
 KINDS: Mapping[str, str] = {
     # From the special to the general: the first whose words are in a row is what it is. English, German, French; and

@@ -5,14 +5,20 @@ A part of these that is named in neither way cannot be told from one of silicon.
 
 from __future__ import annotations
 
-from robophm.design.importers.bom.kinds import GAN_TRANSISTORS, MICROCIRCUITS, SIC_DIODES, SIC_TRANSISTORS, any_of
+from robophm.design.importers.bom.kinds import MICROCIRCUITS, any_of
+from robophm.design.importers.bom.wide_band_gap_series import (
+    GAN_POWER_STAGES,
+    GAN_TRANSISTORS,
+    SIC_DIODES,
+    SIC_TRANSISTORS,
+)
 
 TRANSISTORS = frozenset({"transistor", "fet", "bipolar transistor"})
 DIODES = frozenset({"diode", "schottky diode", "rectifier"})
 
-_GAN = any_of(rf"e?gan|e?gan ?(fets?|hemts?)|gallium ?nitride|{GAN_TRANSISTORS}")
+_GAN = any_of(rf"e?gan|e?gan ?(fets?|hemts?)|gallium ?nitride|{GAN_TRANSISTORS}|{GAN_POWER_STAGES}")
 _SIC = any_of(rf"sic|sic ?(mos)?fets?|sil(icon)? ?carb(ide)?|{SIC_TRANSISTORS}|{SIC_DIODES}")
-_GAN_POWER_STAGES = any_of(r"lmg[2-7][0-9]{3}\w*|epc23[0-9]{3}\w*|nv6[0-9]{3}\w*|mastergan[0-9]\w*|igi[0-9]{2}[a-z]\w*")
+_GAN_POWER_STAGES = any_of(GAN_POWER_STAGES)
 _STAGE_IN_WORDS = any_of(r"e?gan (integrated )?(power stages?|half[ -]?bridges?|power ics?|switch(es)?)")
 _DRIVER = any_of(r"(gate ?)?drivers?")
 
