@@ -25,7 +25,7 @@ from robophm.cli.shared.output import console, may_write, print_json, print_repo
 from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.task_words import stated_speed
 from robophm.cli.shared.unused import refuse_unused
-from robophm.core.counted_notes import ordinary, said
+from robophm.core.counted_notes import FreshNotes
 from robophm.core.supervisor import Supervisor
 from robophm.design.file import load
 from robophm.design.robot import Robot
@@ -102,7 +102,10 @@ def command(
     tasks: Annotated[
         list[str] | None, typer.Option(help="topic or action that tells of tasks; default those known by name")
     ] = None,
-    speed: Annotated[str | None, typer.Option(help="of planned legs that state none, e.g. '0.3 m/s'")] = None,
+    speed: Annotated[
+        str | None,
+        typer.Option(help="of planned legs that state none, e.g. '0.3 m/s'; default that of the design's task"),
+    ] = None,
     function: Annotated[list[str] | None, typer.Option(help="that tasks need; default the whole robot")] = None,
     notify: Notify = None,
     unit: Unit = "1/h",
@@ -218,28 +221,12 @@ SHOWN = ("foretold", "reached", "not followed")
 """States of wear that a line tells of, of the part that comes first."""
 
 
-class _FreshNotes:
-    """Tells which notes to print while the robot is watched: each at first, and when it is ten times as many."""
-
-    def __init__(self) -> None:
-        self._told: dict[str, int] = {}
-
-    def lines(self, notes: Mapping[str, int]) -> list[str]:
-        """Return the notes that are to be printed, as lines."""
-        fresh = {}
-        for what, count in notes.items():
-            if not ordinary(what) and len(str(count)) > self._told.get(what, 0):
-                self._told[what] = len(str(count))
-                fresh[what] = count
-        return said(fresh)
-
-
 class _OnTerminal(ReportSink):
     """A table that stays where it is, and the tasks and notes above it."""
 
     def __init__(self, live: Live) -> None:
         self._live, self._table = live, LiveTable()
-        self._fresh = _FreshNotes()
+        self._fresh = FreshNotes()
 
     def noted(self, notes: Mapping[str, int]) -> None:
         for line in self._fresh.lines(notes):
@@ -262,7 +249,7 @@ class _Lines(ReportSink):
 
     def __init__(self, out: Console, asked: Watched) -> None:
         self._out, self._asked, self._said = out, asked, time.monotonic()
-        self._fresh = _FreshNotes()
+        self._fresh = FreshNotes()
 
     def noted(self, notes: Mapping[str, int]) -> None:
         for line in self._fresh.lines(notes):
@@ -298,10 +285,11 @@ class _Lines(ReportSink):
 
 
 def _task_text(task: JudgedTask) -> str:
-    what = "done" if task.done else "arrived"
+    what = {"succeeded": "done"}.get(task.outcome, task.outcome) if task.done else "arrived"
     chance = task.completion["sensor_based"]
     length = f"{number_text(task.distance)} m in {duration_text(task.duration)}"
     said = probability_text(chance.probability, chance.failure)
     if left_out := task.unknown:
         said = f"{left_out.said_ahead(said)} ({left_out.left_out})"
-    return f"task {what} on {task.topic}: {length}, completed with {said}"
+    done = "completed" if task.outcome == "succeeded" else "to be got through"
+    return f"task {what} on {task.topic}: {length}, {done} with {said}"

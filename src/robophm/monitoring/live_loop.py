@@ -181,6 +181,8 @@ class _Watch:
         if (now := time.monotonic()) - self._looked >= NOTES_EVERY:
             self._looked = now
             self._tell_notes()
+            for sink in self.sinks:
+                sink.repeat()
             self._note_services()
 
     def _note_services(self) -> None:
