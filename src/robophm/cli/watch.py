@@ -36,13 +36,14 @@ from robophm.monitoring.alarm_watch import AlarmWatch
 from robophm.monitoring.live_loop import watch
 from robophm.monitoring.notices import Notices
 from robophm.monitoring.recording_sessions import missing_signals
+from robophm.monitoring.task_assessor import TaskAssessor
 from robophm.report.alarms import alarm_text
 from robophm.report.wear import ranked
 from robophm.report.words import duration_text, number_text, probability_text, rate_text
 from robophm.stores import open_store
 from robophm.stores.alarm_log import AlarmsInMemory
 from robophm.stores.store import Store
-from robophm.transports.health_topics import HealthTopics, Outlet
+from robophm.transports.health_topics import HealthTopics, Outlet, TaskService
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.running_robot import open_live
 from robophm.transports.signals.report_sink import JudgedTask, ReportSink
@@ -174,10 +175,14 @@ def run(design: Path, asked: Watched) -> bool:
         kept = stack.enter_context(open_store(asked.store)) if asked.store else None
         written = stack.enter_context(Journal(asked.journal, robot.signals)) if asked.journal else None
         sinks = []
+        assessor = TaskAssessor(robot)
         if asked.publish:
-            outlet = Outlet(opened.generation, opened.node, opened.publisher)
+            outlet = Outlet(opened.generation, opened.node, opened.publisher, opened.server)
             topics = stack.enter_context(HealthTopics(robot, outlet, namespace=asked.namespace, frame=asked.frame))
             sinks.append(topics)
+            service = TaskService(outlet, assessor, asked.namespace)
+            if service.unknown:
+                warn(f"not served: {service.unknown}")
             if topics.left_out:
                 warn(f"{topics.left_out} parts have no topic of their own: there are too many")
             for words in topics.unknown.values():
@@ -194,6 +199,7 @@ def run(design: Path, asked: Watched) -> bool:
                 task_topics=topics_to_hear(asked.tasks, asked.namespace, source.task_topics), speed=speed,
                 functions=asked.functions, on_clock=warn, on_start=lambda _: supervisor.ready("watching"),
                 on_tick=supervisor.alive, alarms=_alarms(robot, kept, [*sinks, shown], notices),
+                assessor=assessor,
             )  # fmt: skip
         supervisor.ending()
         notices.close()

@@ -156,11 +156,13 @@ def completion_uncertainty(
         (failures, _), weight = completions_of(outlook, task, ratios, futures)
         return weighted_interval(failures, weight)
 
+    of_all = weighted_interval(found[0], weight)
+    certain = bool((ratios == 1).all())
     return CompletionUncertainty(
         Completion(probability, failure),
-        weighted_interval(found[0], weight),
-        interval(np.ones((len(ratios), len(futures))), futures),
-        interval(ratios, own),
+        of_all,
+        of_all if certain else interval(np.ones((len(ratios), len(futures))), futures),
+        interval(ratios[:, :1] if certain else ratios, own) if loads else of_all,
     )
 
 

@@ -36,6 +36,8 @@ class Live:
     """Function that makes a node of a name."""
     publisher: Callable[..., Any]
     """Function that makes a publisher of a node, topic, type and definition."""
+    server: Callable[..., Any] | None = None
+    """Function that makes a service of a node, name, type, definitions and who answers; None where there are none."""
 
     @property
     def generation(self) -> Literal[1, 2]:
@@ -65,7 +67,7 @@ def open_live(choice: str = "auto", *, period: float = 0.5) -> Live:
     if generation == 1:
         from robophm.transports import ros1
 
-        return Live(ros1.Ros1(period=period), "ROS 1", "ros1", reason, ros1.Node, ros1.Publisher)
+        return Live(ros1.Ros1(period=period), "ROS 1", "ros1", reason, ros1.Node, ros1.Publisher, ros1.Service)
     return {"dds": _dds, "rclpy": _rclpy}.get(choice, _ros2)(reason, period)
 
 
@@ -80,14 +82,15 @@ def _mqtt(address: str, period: float) -> Live:
 def _dds(reason: str, period: float) -> Live:
     from robophm.transports import ros2_dds
 
-    return Live(ros2_dds.Ros2Dds(period=period), "ROS 2", "ros2_dds", reason, ros2_dds.Node, ros2_dds.Publisher)
+    source = ros2_dds.Ros2Dds(period=period)
+    return Live(source, "ROS 2", "ros2_dds", reason, ros2_dds.Node, ros2_dds.Publisher, ros2_dds.Service)
 
 
 def _rclpy(reason: str, period: float) -> Live:
     from robophm.transports import ros2_rclpy
 
     source = ros2_rclpy.Ros2Rclpy(period=period)
-    return Live(source, "ROS 2", "ros2_rclpy", reason, ros2_rclpy.Node, ros2_rclpy.Publisher)
+    return Live(source, "ROS 2", "ros2_rclpy", reason, ros2_rclpy.Node, ros2_rclpy.Publisher, ros2_rclpy.Service)
 
 
 def _ros2(reason: str, period: float) -> Live:
