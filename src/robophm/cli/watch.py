@@ -176,7 +176,9 @@ def run(design: Path, asked: Watched) -> bool:
         written = stack.enter_context(Journal(asked.journal, robot.signals)) if asked.journal else None
         sinks = []
         assessor = TaskAssessor(robot)
-        if asked.publish:
+        if asked.publish and not opened.publisher:
+            warn(f"health is not published: {source.place} takes no messages of ROS")
+        elif asked.publish and opened.publisher:
             outlet = Outlet(opened.generation, opened.node, opened.publisher, opened.server)
             topics = stack.enter_context(HealthTopics(robot, outlet, namespace=asked.namespace, frame=asked.frame))
             sinks.append(topics)

@@ -40,7 +40,7 @@ class Future:
         cls, name: str, hours: Sequence[float], operating: Sequence[float], advance: Array, effective: Array
     ) -> Future:
         """Make a future from what each step adds; ``advance`` and ``effective`` have shape (modes, steps)."""
-        (calendar,), (on,), gone, stressed = map(_sums, ([hours], [operating], advance, effective))
+        (calendar,), (on,), gone, stressed = (_sums(one) for one in ([hours], [operating], advance, effective))
         return cls(name, calendar, on, gone, stressed)
 
     def at(self, hours: Array) -> tuple[Array, Array]:

@@ -42,7 +42,7 @@ class TaskService:
     """Answers ``phm/assess_task`` below a namespace, from the node of task completion."""
 
     def __init__(self, outlet: Outlet, assessor: Assessor, namespace: str = "/") -> None:
-        """Serve it. Raises SourceError where that cannot be."""
+        """Begin to serve. Raises SourceError where that cannot be."""
         self._assessor = assessor
         self.unknown = ""
         """The reason why it is not served, where this ROS does not know its type; else empty."""

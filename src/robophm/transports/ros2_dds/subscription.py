@@ -67,7 +67,7 @@ class Subscription(threading.Thread):
         self._refused: set[int] = set()
         """Publishers that were refused, each counted once."""
         self._undefined: dict[str, str] = {}
-        """What is missing of the first definition on each topic that was not found, in words."""
+        """Words on the first definition of each topic that was not found."""
         self._refused_before = self._graph.refused()
         """Messages that Cyclone has refused."""
         self._over = threading.Event()
