@@ -7,12 +7,14 @@ from dataclasses import dataclass
 
 from robophm.core.argument_checks import number
 from robophm.design.task import Plan, Task
+from robophm.health.draws import check_draws
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.mission import beginnings
 from robophm.health.outlooks import outlooks
 from robophm.health.plant import Plant
-from robophm.health.task_report import TaskReport, task_report
+from robophm.health.task_report import TaskReport, task_report, unsure_loads
+from robophm.health.uncertainty import Interval, failure_interval
 from robophm.health.worn import SeenWear
 
 DRAWS = 500
@@ -24,7 +26,9 @@ class TaskAssessment:
     """The answer to a robot that asks before it goes."""
 
     report: TaskReport
-    """The report of the task, as ``task_report`` makes it."""
+    """The report of the task, as ``task_report`` makes it without its uncertainty."""
+    failure: Interval | None
+    """The interval of the probability of failure, sensor-based; None where rates and load are exact."""
     time: int | None
     """Nanoseconds since the epoch to which the robot's past is in it; None before the first sample."""
     limit: float
@@ -50,8 +54,12 @@ def assess(
     if limit is None:
         limit = plant.robot.wanted_completion or 0.0
     limit = number(limit, "limit", high=1.0)
-    report = task_report(plant, exposure, ledger, Plan((task,)), draws=draws, seed=seed, wear=wear)
-    first = beginnings(outlooks(plant, exposure, ledger, wear=wear)["sensor_based"], task)
+    draws = check_draws(draws, plant.robot)
+    report = task_report(plant, exposure, ledger, Plan((task,)), draws=0, wear=wear)
+    lived = outlooks(plant, exposure, ledger, wear=wear)["sensor_based"]
+    loads = unsure_loads(plant, ledger, seed) if draws else None
+    failure = failure_interval(lived, task, loads=loads, draws=draws, seed=seed) if loads is not None else None
+    first = beginnings(lived, task)
     enough, most = 0, len(task.legs)
     while enough < most:  # the more legs, the less likely
         middle = (enough + most + 1) // 2
@@ -59,4 +67,4 @@ def assess(
             enough = middle
         else:
             most = middle - 1
-    return TaskAssessment(report, ledger.integrated_to, limit, enough)
+    return TaskAssessment(report, failure, ledger.integrated_to, limit, enough)

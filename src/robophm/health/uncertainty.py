@@ -166,6 +166,17 @@ def completion_uncertainty(
     )
 
 
+def failure_interval(
+    outlook: Outlook, task: Task, *, loads: Sequence[Future] = (), draws: int = DRAWS, seed: int = 0
+) -> Interval:
+    """Return ``completion_uncertainty(…).failure`` alone, in a third of the time where rates and loads are drawn."""
+    if not task.legs:
+        return Interval(0.0, 0.0, 0.0)
+    futures = [_mean_of_first(task.duration, load) for load in loads] or [outlook.future]
+    found, weight = completions_of(outlook, task, draw_rates(outlook.plant, draws, seed), futures)
+    return weighted_interval(found[0], weight)
+
+
 def _mean_of_first(operating: float, load: Future) -> Future:
     """The mean of a load over its first hours of operation; of all of it for the clocks that stand meanwhile."""
     if not operating > 0:

@@ -91,7 +91,7 @@ def _written(leg: Any) -> dict[str, Any]:
 def answered(found: TaskAssessment) -> Mapping[str, Any]:
     """Return the fields of the response that an assessment is."""
     report, together = found.report, found.report.together
-    span = report.uncertainty.failure if report.uncertainty else None
+    span = found.failure
     return {
         "header": {"stamp": stamp(found.time)},
         "go": found.go,
