@@ -18,7 +18,7 @@ OURS = {  # what it is called instead (docs/reference/glossary.md)
     "promises": "nominal_figures", "Deciding": "DecidingComponent", "deciding": "deciding_components",
     "Repaired": "RemovedJump", "unseen": "undetected_modes", "greedily": "choose_greedily", "Upkept": "MaintainedPart",
     "Return": "ReturnOnMonitoring", "return_on_watching": "return_on_monitoring", "by_block": "block_monitor",
-    "lacking": "missing_signals", "Ear": "TopicReader", "Greeting": "PendingSubscriber", "Callee": "CalledNode",
+    "lacking": "missing_signals", "Ear": "TopicReader", "Greeting": "PendingCaller", "Callee": "CalledNode",
     "told_in": "tasks_in", "Prepared": "PreparedRobot", "Shelf": "PreparedRobots", "speakable": "json_values",
     "paper_says": "paper_prediction", "found_out": "likelihood_ratio_p_value",
     "knowing": "rate_sensitivity", "ignorance": "state_of_knowledge", "far_out": "extrapolation_note",

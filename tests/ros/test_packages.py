@@ -7,11 +7,14 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 import threading
 from pathlib import Path
 from typing import Any
 
 import pytest
+
+from ..transports.listener import within
 
 ROS = Path(__file__).parents[2] / "ros"
 SYSTEM = {**os.environ, "PATH": "/usr/bin:/bin", "ROS_PACKAGE_PATH": str(ROS)}
@@ -66,8 +69,29 @@ def test_parameters_become_a_command() -> None:
     assert command({"design": "r", "robophm": "/opt/x/robophm", "namespace": "/r2"})[:5] == [
         "/opt/x/robophm", "watch", "r", "--namespace", "/r2",
     ]  # fmt: skip
+    for namespace, parameter, root in (("/amr_7/", "", "/amr_7"), ("/amr_7", "/hall", "/hall"), ("/", "", "/")):
+        assert command({"design": "r", "namespace": parameter}, namespace)[4] == root
     with pytest.raises(ValueError, match="parameter 'design' is missing"):
         command({})
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="prctl is of Linux")
+def test_a_node_that_is_killed_leaves_no_watcher() -> None:
+    """Its command ends with it, though it could not be told to."""
+    source = ROS / "robophm_ros" / "src"
+    code = (
+        f"import sys; sys.path.insert(0, {str(source)!r}); from robophm_ros.command import start;"
+        "print(start(['sleep', '600']).pid, flush=True); input()"
+    )
+    command = [sys.executable, "-B", "-c", code]
+    node = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    assert node.stdout is not None
+    watcher = int(node.stdout.readline())
+    running = Path(f"/proc/{watcher}/stat")
+    assert running.read_text().split()[2] in "SR"
+    node.kill()
+    node.communicate()
+    within(10, lambda: not running.exists() or running.read_text().split()[2] in "ZX")
 
 
 def test_the_options_that_parameters_become_are_those_of_watch() -> None:

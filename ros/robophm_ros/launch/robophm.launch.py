@@ -6,7 +6,7 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import LifecycleNode
 from launch_ros.parameter_descriptions import ParameterValue
 
-TEXTS = {"robophm": "robophm", "namespace": "/", "store": "", "journal": "", "frame": "base_link"}
+TEXTS = {"robophm": "robophm", "namespace": "", "store": "", "journal": "", "frame": "base_link"}
 
 
 def generate_launch_description():

@@ -21,6 +21,7 @@ EXTRAS = {
     "fit": ("life data: robophm fit", ("surpyval",)),
     "ros2": ("ROS 2 without its installation, over DDS", ("cyclonedds",)),
     "mqtt": ("robots that tell their state at an MQTT broker, as by VDA 5050", ("paho-mqtt",)),
+    "foxglove": ("robots whose topics a Foxglove server serves, as foxglove_bridge", ("websockets",)),
     "notebook": ("data frames and plots in Python", ("pandas", "matplotlib")),
     "parquet": ("tables in Parquet", ("pyarrow",)),
     "cbor": ("messages of CBOR in MCAP", ("cbor2",)),

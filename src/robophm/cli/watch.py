@@ -26,7 +26,7 @@ from robophm.cli.shared.output import console, may_write, print_json, warn
 from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.task_words import stated_speed
 from robophm.cli.shared.unused import refuse_unused
-from robophm.core.counted_notes import ordinary, said
+from robophm.core.counted_notes import FreshNotes
 from robophm.core.json_values import plain
 from robophm.core.supervisor import Supervisor
 from robophm.design.file import load
@@ -38,13 +38,14 @@ from robophm.monitoring.alarm_watch import AlarmWatch
 from robophm.monitoring.live_loop import watch
 from robophm.monitoring.notices import Notices
 from robophm.monitoring.recording_sessions import missing_signals
+from robophm.monitoring.task_assessor import TaskAssessor
 from robophm.report.alarms import alarm_text
 from robophm.report.wear import ranked
 from robophm.report.words import duration_text, number_text, probability_text, rate_text
 from robophm.stores import open_store
 from robophm.stores.alarm_log import AlarmsInMemory
 from robophm.stores.store import Store
-from robophm.transports.health_topics import HealthTopics, Outlet
+from robophm.transports.health_topics import HealthTopics, Outlet, TaskService
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.running_robot import open_live
 from robophm.transports.signals.report_sink import JudgedTask, ReportSink
@@ -104,7 +105,10 @@ def command(
     tasks: Annotated[
         list[str] | None, typer.Option(help="topic or action that tells of tasks; default those known by name")
     ] = None,
-    speed: Annotated[str | None, typer.Option(help="of planned legs that state none, e.g. '0.3 m/s'")] = None,
+    speed: Annotated[
+        str | None,
+        typer.Option(help="of planned legs that state none, e.g. '0.3 m/s'; default that of the design's task"),
+    ] = None,
     function: Annotated[list[str] | None, typer.Option(help="that tasks need; default the whole robot")] = None,
     notify: Notify = None,
     unit: Unit = "1/h",
@@ -173,10 +177,16 @@ def run(design: Path, asked: Watched) -> bool:
         kept = stack.enter_context(open_store(asked.store)) if asked.store else None
         written = stack.enter_context(Journal(asked.journal, robot.signals)) if asked.journal else None
         sinks = []
-        if asked.publish:
-            outlet = Outlet(opened.generation, opened.node, opened.publisher)
+        assessor = TaskAssessor(robot)
+        if asked.publish and not opened.publisher:
+            warn(f"health is not published: {source.place} takes no messages of ROS")
+        elif asked.publish and opened.publisher:
+            outlet = Outlet(opened.generation, opened.node, opened.publisher, opened.server)
             topics = stack.enter_context(HealthTopics(robot, outlet, namespace=asked.namespace, frame=asked.frame))
             sinks.append(topics)
+            service = TaskService(outlet, assessor, asked.namespace)
+            if service.unknown:
+                warn(f"not served: {service.unknown}")
             if topics.left_out:
                 warn(f"{topics.left_out} parts have no topic of their own: there are too many")
             for words in topics.unknown.values():
@@ -193,6 +203,7 @@ def run(design: Path, asked: Watched) -> bool:
                 task_topics=topics_to_hear(asked.tasks, asked.namespace, source.task_topics), speed=speed,
                 functions=asked.functions, on_clock=warn, on_start=lambda _: supervisor.ready("watching"),
                 on_tick=supervisor.alive, alarms=_alarms(robot, kept, [*sinks, shown], notices),
+                assessor=assessor,
             )  # fmt: skip
         supervisor.ending()
         notices.close()
@@ -220,28 +231,12 @@ SHOWN = ("foretold", "reached", "not followed")
 """States of wear that a line tells of, of the part that comes first."""
 
 
-class _FreshNotes:
-    """Tells which notes to print while the robot is watched: each at first, and when it is ten times as many."""
-
-    def __init__(self) -> None:
-        self._told: dict[str, int] = {}
-
-    def lines(self, notes: Mapping[str, int]) -> list[str]:
-        """Return the notes that are to be printed, as lines."""
-        fresh = {}
-        for what, count in notes.items():
-            if not ordinary(what) and len(str(count)) > self._told.get(what, 0):
-                self._told[what] = len(str(count))
-                fresh[what] = count
-        return said(fresh)
-
-
 class _OnTerminal(ReportSink):
     """A table that stays where it is, and the tasks and notes above it."""
 
     def __init__(self, live: Live) -> None:
         self._live, self._table = live, LiveTable()
-        self._fresh = _FreshNotes()
+        self._fresh = FreshNotes()
 
     def noted(self, notes: Mapping[str, int]) -> None:
         for line in self._fresh.lines(notes):
@@ -264,7 +259,7 @@ class _Lines(ReportSink):
 
     def __init__(self, out: Console, asked: Watched) -> None:
         self._out, self._asked, self._said = out, asked, time.monotonic()
-        self._fresh = _FreshNotes()
+        self._fresh = FreshNotes()
 
     def noted(self, notes: Mapping[str, int]) -> None:
         for line in self._fresh.lines(notes):
@@ -300,10 +295,11 @@ class _Lines(ReportSink):
 
 
 def _task_text(task: JudgedTask) -> str:
-    what = "done" if task.done else "arrived"
+    what = {"succeeded": "done"}.get(task.outcome, task.outcome) if task.done else "arrived"
     chance = task.completion["sensor_based"]
     length = f"{number_text(task.distance)} m in {duration_text(task.duration)}"
     said = probability_text(chance.probability, chance.failure)
     if left_out := task.unknown:
         said = f"{left_out.said_ahead(said)} ({left_out.left_out})"
-    return f"task {what} on {task.topic}: {length}, completed with {said}"
+    done = "completed" if task.outcome == "succeeded" else "to be got through"
+    return f"task {what} on {task.topic}: {length}, {done} with {said}"

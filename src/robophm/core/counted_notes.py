@@ -17,6 +17,22 @@ def ordinary(what: str) -> bool:
     return what.startswith(_ORDINARY)
 
 
+class FreshNotes:
+    """Tells which notes to tell of while a robot is watched: each at first, and when it is ten times as many."""
+
+    def __init__(self) -> None:
+        self._told: dict[str, int] = {}
+
+    def lines(self, notes: Mapping[str, int]) -> list[str]:
+        """Return the notes that are to be told of now, as lines."""
+        fresh = {}
+        for what, count in notes.items():
+            if not ordinary(what) and len(str(count)) > self._told.get(what, 0):
+                self._told[what] = len(str(count))
+                fresh[what] = count
+        return said(fresh)
+
+
 def said(notes: Mapping[str, int], of: str = "") -> list[str]:
     """Return notes as lines, each with how often, and with the name of what they are ``of`` where one is given.
 

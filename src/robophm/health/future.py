@@ -40,10 +40,7 @@ class Future:
         cls, name: str, hours: Sequence[float], operating: Sequence[float], advance: Array, effective: Array
     ) -> Future:
         """Make a future from what each step adds; ``advance`` and ``effective`` have shape (modes, steps)."""
-        sums = (np.cumsum(np.pad(np.asarray(one, dtype=float), ((0, 0), (1, 0))), axis=1) for one in (
-            [hours], [operating], advance, effective
-        ))  # fmt: skip
-        (calendar,), (on,), gone, stressed = sums
+        (calendar,), (on,), gone, stressed = (_sums(one) for one in ([hours], [operating], advance, effective))
         return cls(name, calendar, on, gone, stressed)
 
     def at(self, hours: Array) -> tuple[Array, Array]:
@@ -95,3 +92,11 @@ class Future:
         """Return the advance of each failure mode's clock per operating hour."""
         result: Array = self.advance[:, -1] / self.operating[-1]
         return result
+
+
+def _sums(steps: npt.ArrayLike) -> Array:
+    """The sums before the first of these steps and after each; shape (rows, steps + 1)."""
+    each = np.asarray(steps, dtype=float)
+    sums = np.zeros((len(each), each.shape[1] + 1))
+    np.cumsum(each, axis=1, out=sums[:, 1:])
+    return sums

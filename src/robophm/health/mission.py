@@ -7,7 +7,7 @@ is known), jointly over the legs. Robots do not heal within a task, so that only
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -92,6 +92,24 @@ def completion_of_steps(outlook: Outlook, task: Task, steps: Steps) -> Completio
     return _given(_transition(outlook, mission, hazard, ends))
 
 
+def beginnings(outlook: Outlook, task: Task) -> Callable[[int], Completion]:
+    """Return the function that tells how the first so many legs of a task fare: the more, the less likely.
+
+    All functions that the whole task needs work now, so that all legs fare as ``completion`` of the task says.
+    """
+    hazard = outlook.increments(outlook.plant.everything, *planned(outlook, task))
+    now = needed_now(needs(task)[0])
+
+    def first(legs: int) -> Completion:
+        if not legs:
+            return Completion(1.0, 0.0)
+        wanted, ends = needs(Task(task.legs[:legs]))
+        mission = outlook.plant.mission(now, wanted)
+        return _given(_transition(outlook, mission, hazard[:, :legs], ends))
+
+    return first
+
+
 def consecutive_completions(outlook: Outlook, tasks: Sequence[Task]) -> list[Completion]:
     """Return the completion of tasks in a row, exposure carried on: each given that those before it were completed.
 
@@ -133,7 +151,8 @@ def planned(outlook: Outlook, task: Task) -> Steps:
         stated = np.array([np.nan if (count := getattr(leg, clock)) is None else count for leg in legs])
         rows = plant.clock == clock
         advance[rows] = np.where(np.isnan(stated), advance[rows], stated)
-    idle = ~np.column_stack([plant.needed(leg.functions) for leg in legs])
+    needed = {functions: plant.needed(functions) for functions in {leg.functions for leg in legs}}
+    idle = ~np.array([needed[leg.functions] for leg in legs]).T
     advance *= np.where(idle, plant.duty[:, None], 1.0)
     return Steps(advance, _factors(outlook, task) * advance)
 

@@ -11,6 +11,7 @@ from robophm.core.json_values import plain
 from robophm.design.task import Plan, Task
 from robophm.health.draws import check_draws
 from robophm.health.exposure import ExposureIntegrator
+from robophm.health.future import Future
 from robophm.health.ledger import Ledger
 from robophm.health.mission import (
     Completion,
@@ -106,18 +107,23 @@ def task_report(
     each = {view: consecutive_completions(views[view], plan.tasks) for view in VIEWS}
     joined = plan.joined
     lived = views["sensor_based"]
-    loads = draw_loads(plant, ledger, SCENARIOS, seed)
-    unsure = bool(loads) or any(mode.uncertainty for mode in plant.robot.modes)
+    loads = unsure_loads(plant, ledger, seed) if draws else None
     return TaskReport(
         plant.robot.name,
         tuple(map(TaskFigures, plan.tasks, each["nominal"], each["sensor_based"])),
         {view: completion(views[view], joined) for view in VIEWS},
-        completion_uncertainty(lived, joined, loads=loads, draws=draws, seed=seed) if unsure and draws else None,
+        completion_uncertainty(lived, joined, loads=loads, draws=draws, seed=seed) if loads is not None else None,
         tuple(deciding_components(lived, joined)),
         plant.robot.wanted_completion,
         unknown_in(lived, joined),
         tuple(wear),
     )
+
+
+def unsure_loads(plant: Plant, ledger: Ledger, seed: int) -> list[Future] | None:
+    """Return the loads to come that are drawn from a past; None where nothing is uncertain, rates neither."""
+    loads = draw_loads(plant, ledger, SCENARIOS, seed)
+    return loads if loads or any(mode.uncertainty for mode in plant.robot.modes) else None
 
 
 def unknown_in(outlook: Outlook, task: Task) -> PartsOfUnknownRate | None:

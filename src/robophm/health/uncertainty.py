@@ -155,12 +155,25 @@ def completion_uncertainty(
         (failures, _), weight = completions_of(outlook, task, ratios, futures)
         return weighted_interval(failures, weight)
 
+    of_all = weighted_interval(found[0], weight)
+    certain = bool((ratios == 1).all())
     return CompletionUncertainty(
         Completion(probability, failure),
-        weighted_interval(found[0], weight),
-        interval(np.ones((len(ratios), len(futures))), futures),
-        interval(ratios, own),
+        of_all,
+        of_all if certain else interval(np.ones((len(ratios), len(futures))), futures),
+        interval(ratios[:, :1] if certain else ratios, own) if loads else of_all,
     )
+
+
+def failure_interval(
+    outlook: Outlook, task: Task, *, loads: Sequence[Future] = (), draws: int = DRAWS, seed: int = 0
+) -> Interval:
+    """Return ``completion_uncertainty(…).failure`` alone, in a third of the time where rates and loads are drawn."""
+    if not task.legs:
+        return Interval(0.0, 0.0, 0.0)
+    futures = [_mean_of_first(task.duration, load) for load in loads] or [outlook.future]
+    found, weight = completions_of(outlook, task, draw_rates(outlook.plant, draws, seed), futures)
+    return weighted_interval(found[0], weight)
 
 
 def _mean_of_first(operating: float, load: Future) -> Future:

@@ -22,6 +22,7 @@ from robophm.monitoring.replay import MOST_REPORTS, REPAIR, kept_ledger
 from robophm.monitoring.report_history import ReportHistory
 from robophm.monitoring.service_notes import Answers, requests_in, taken_in
 from robophm.monitoring.silent_signals import SilentSignals
+from robophm.monitoring.task_assessor import TaskAssessor
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.stores.events import Event
 from robophm.stores.service_requests import WithdrawnError
@@ -50,7 +51,7 @@ def watch(
     speed: float | None = None, functions: Sequence[str] = (),
     on_start: Callable[[Monitor], None] | None = None, on_tick: Callable[[Monitor], None] | None = None,
     on_task: Callable[[JudgedTask], None] | None = None, on_clock: Callable[[str], None] | None = None,
-    alarms: AlarmWatch | None = None,
+    alarms: AlarmWatch | None = None, assessor: TaskAssessor | None = None,
 ) -> Monitor:  # fmt: skip
     """Listen until the source is closed, from where the store's ledger stands; return the monitor as it is then.
 
@@ -58,7 +59,7 @@ def watch(
     ledger, bit for bit. Reports go to ``sinks`` with the remaining lives and completions last seen ahead; so do the
     tasks that ``task_topics`` of a live source tell of, ``speed`` [m/s] and ``functions`` being as of LiveTasks; what
     of them is not judged is in the source's notes. ``on_start`` is called before the first sample, ``on_tick`` after
-    each step, ``alarms`` looks at each report that sinks are told,
+    each step, ``alarms`` looks at each report that sinks are told, ``assessor`` sees the past that it is of,
     ``on_clock`` with words, at once, where the clock jumps ahead, or back so that nothing counts.
 
     Where there are both a store and a journal, what an earlier watch wrote to that journal and could not save any more
@@ -71,7 +72,7 @@ def watch(
         return _Watch(
             robot=robot, source=source, store=store, journal=journal, period=period, sinks=sinks,
             task_topics=task_topics, speed=speed, functions=functions, on_start=on_start, on_tick=on_tick,
-            on_task=on_task, on_clock=on_clock, alarms=alarms,
+            on_task=on_task, on_clock=on_clock, alarms=alarms, assessor=assessor,
         ).run()  # fmt: skip
 
 
@@ -93,6 +94,7 @@ class _Watch:
     on_task: Callable[[JudgedTask], None] | None
     on_clock: Callable[[str], None] | None
     alarms: AlarmWatch | None
+    assessor: TaskAssessor | None
 
     def __post_init__(self) -> None:
         ledger = kept_ledger(self.robot, self.store) if self.store else None
@@ -181,6 +183,8 @@ class _Watch:
         if (now := time.monotonic()) - self._looked >= NOTES_EVERY:
             self._looked = now
             self._tell_notes()
+            for sink in self.sinks:
+                sink.repeat()
             self._note_services()
 
     def _note_services(self) -> None:
@@ -224,6 +228,8 @@ class _Watch:
         if self._ahead.is_alive():
             settled = monitor.exposure.settled(monitor.ledger)
             wear = self._wear.latest(settled)
+            if self.assessor:
+                self.assessor.see(settled, wear)
             report = self._ahead.beside(health_now(monitor.plant, monitor.exposure, settled, wear=wear))
             if self.alarms:
                 self.alarms.look(report)

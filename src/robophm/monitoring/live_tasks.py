@@ -14,7 +14,7 @@ from robophm.health.task_report import unknown_in
 from robophm.health.window import Window
 from robophm.health.worn import SeenWear
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.task_evaluation import completion_as_done, task_as_done, task_as_planned
+from robophm.monitoring.task_evaluation import completion_as_done, task_as_done, task_as_planned, usual_speed
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.transports.signals.report_sink import JudgedTask
 from robophm.transports.signals.source import WholeMessage
@@ -30,7 +30,8 @@ LONGEST = 24 * HOUR
 class LiveTasks:
     """Hears what the robot says of its tasks; what is not judged is counted in ``notes``, with the reason.
 
-    ``speed`` [m/s] is of planned legs that state none; ``functions`` are what tasks need, the whole robot unless given.
+    ``speed`` [m/s] is of planned legs that state none, that of the design's own task unless given; ``functions`` are
+    what tasks need, the whole robot unless given.
     """
 
     def __init__(
@@ -38,7 +39,7 @@ class LiveTasks:
     ) -> None:  # fmt: skip
         self.notes: Counter[str] = Counter()
         self._monitor, self._wear = monitor, wear
-        self._speed = speed
+        self._speed = speed if speed is not None else usual_speed(monitor.plant.robot)
         self._functions = tuple(functions)
         self._topics = TaskTopics(self.notes)
         self._past: list[tuple[int, Ledger, Sequence[SeenWear]]] = []
@@ -77,7 +78,7 @@ class LiveTasks:
         views = outlooks(monitor.plant, monitor.exposure, settled, wear=self._wear.latest(settled))
         judged = {view: completion(views[view], task) for view in VIEWS}
         return JudgedTask(False, told.time, told.topic, task.duration, task.distance, judged,
-                          unknown_in(views["sensor_based"], task))  # fmt: skip
+                          unknown_in(views["sensor_based"], task), told.goal)  # fmt: skip
 
     def _done(self, told: DoneTask) -> JudgedTask | None:
         monitor = self._monitor
@@ -91,4 +92,4 @@ class LiveTasks:
         ended = monitor.exposure.settled(monitor.ledger)
         found = completion_as_done(monitor.plant, views, task, begun, ended)
         return JudgedTask(True, told.end, told.topic, task.duration, task.distance, found,
-                          unknown_in(views["sensor_based"], task))  # fmt: skip
+                          unknown_in(views["sensor_based"], task), told.goal, told.outcome)  # fmt: skip

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from robophm.design.robot import Robot
 from robophm.design.task import Leg, Task
 from robophm.health.ledger import Ledger
 from robophm.health.mission import Completion, Steps, completion_of_steps
@@ -26,6 +27,12 @@ def task_as_planned(plan: PlannedTask, speed: float | None, functions: Sequence[
             return None
         legs.append((leg.distance / at / 3600, leg.distance))
     return _task(legs, functions)
+
+
+def usual_speed(robot: Robot) -> float | None:
+    """Return the mean speed of the task that a design states [m/s]; None where it drives nowhere or has none."""
+    task = robot.task
+    return task.distance / task.duration / 3600 if task and task.distance and task.duration else None
 
 
 def task_as_done(done: DoneTask, functions: Sequence[str]) -> Task:

@@ -27,7 +27,7 @@ from robophm.health.task_report import unknown_in
 from robophm.health.unknown_rates import PartsOfUnknownRate
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.recording_sessions import living, sessions_of
-from robophm.monitoring.task_evaluation import completion_as_done, task_as_done, task_as_planned
+from robophm.monitoring.task_evaluation import completion_as_done, task_as_done, task_as_planned, usual_speed
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.transports.signals.source import SignalSource
 from robophm.transports.tasks import DoneTask, PlannedTask
@@ -78,8 +78,9 @@ def judge_tasks(
 ) -> tuple[list[TaskRecord], Monitor]:  # fmt: skip
     """Judge the tasks of a recording by its robot's design; return them, and the monitor at the recording's end.
 
-    ``speed`` [m/s] is of planned legs that state none; ``functions`` are what the tasks need. A task done without a
-    plan is predicted at its start with the distance and time that it took. Raises SourceError as ``replay``, and where
+    ``speed`` [m/s] is of planned legs that state none, that of the design's own task unless given; ``functions`` are
+    what the tasks need. A task done without a plan is predicted at its start with the distance and time that it took.
+    Raises SourceError as ``replay``, and where
     ``ledger`` has lived through a task already.
     """
     (session,) = sessions_of(robot, source, skip_missing=skip_missing)
@@ -112,6 +113,7 @@ def judge_on_the_way(
 ) -> Callable[[], list[TaskRecord]]:  # fmt: skip
     """Have a monitor judge tasks as it reaches them; return a function that gives the records so far."""
     wear = WearWatch(monitor.robot)
+    speed = speed if speed is not None else usual_speed(monitor.robot)
     drafts = [_Draft(monitor, wear, plan, done, speed, functions, knowledge) for plan, done in _pairs(told)]
     monitor.marks = sorted((mark for draft in drafts for mark in draft.marks()), key=itemgetter(0))
     return lambda: [draft.record() for draft in drafts]

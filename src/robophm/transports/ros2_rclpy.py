@@ -11,7 +11,8 @@ import platform
 import threading
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from robophm.core.errors import SourceError
@@ -24,7 +25,7 @@ from robophm.transports.ros2_dds.publisher import Publisher
 from robophm.transports.ros2_dds.source import Ros2
 from robophm.transports.signals.incidents import UnknownTypeError
 
-__all__ = ["Node", "Publisher", "Ros2Rclpy"]
+__all__ = ["Node", "Publisher", "Ros2Rclpy", "Service"]
 
 LOOK_SECONDS = 0.5
 """The time between two looks at who publishes [s]: rclpy does not tell of changes."""
@@ -148,6 +149,18 @@ class RclpyGraph:
         """Return a writer of a topic, spelled as in DDS, for a node."""
         return RclpyWriter(self._rclpy, self._nodes[node], topic.removeprefix("rt"), definition, latched)
 
+    def serve(self, node: str, name: str, type_: str, respond: Callable[[Any, Any], Any]) -> Callable[[], None]:
+        """Serve a service from a node; return the function that ends it."""
+        from rosidl_runtime_py.utilities import get_service
+
+        try:
+            kind = get_service(type_)
+        except Exception as error:  # of the import of a package of services
+            raise UnknownTypeError(f"rclpy has no '{type_}' ({error}); expected its package to be sourced") from None
+        owner = self._nodes[node]
+        service = owner.create_service(kind, name, respond)
+        return lambda: owner.destroy_service(service)
+
     def discovery(self) -> RclpyDiscovery:
         """Return a new discovery of publishers in this domain."""
         return RclpyDiscovery(self._rclpy, self._eye)
@@ -208,6 +221,38 @@ class RclpyWriter:
     def close(self) -> None:
         """Write no more; twice does no harm."""
         self._node.destroy_publisher(self._publisher)
+
+
+class Service:
+    """Serves one service of a node through rclpy, which must have its type; otherwise as that of ``ros2_dds``."""
+
+    gid = reader_gid = b""
+
+    def __init__(
+        self, node: DdsNode, name: str, type_: str, definitions: Sequence[str],
+        answer: Callable[[Any], Mapping[str, Any]],
+    ) -> None:  # fmt: skip
+        graph: Any = node.graph
+        self._close = graph.serve(node.name, name, type_, partial(_responded, answer))
+        node.serve(name, self)
+        node.tell()
+
+    def close(self) -> None:
+        """Answer no more; closing twice does no harm."""
+        self._close()
+
+
+def _responded(answer: Callable[[Any], Mapping[str, Any]], request: Any, response: Any) -> Any:
+    _fill(response, answer(request))
+    return response
+
+
+def _fill(message: Any, fields: Mapping[str, Any]) -> None:
+    for name, value in fields.items():
+        if isinstance(value, Mapping):
+            _fill(getattr(message, name), value)
+        else:
+            setattr(message, name, value)
 
 
 class RclpyReader:

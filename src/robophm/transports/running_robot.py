@@ -12,8 +12,8 @@ from typing import Any, Literal
 from robophm.core.errors import SourceError, nearest
 from robophm.transports.signals.source import LiveSource
 
-CHOICES = ("auto", "ros1", "ros2", "dds", "rclpy")
-"""The choices that a user can state; or the address of an MQTT broker."""
+CHOICES = ("auto", "ros1", "ros2", "dds", "rclpy", "foxglove")
+"""The choices that a user can state; or the address of an MQTT broker or of a Foxglove server."""
 
 ROS1_DISTRIBUTIONS = ("noetic", "melodic", "kinetic")
 """Values of ROS_DISTRO that are ROS 1's."""
@@ -27,15 +27,17 @@ class Live:
 
     source: LiveSource
     system: str
-    """The system that is listened to: ``ROS 1``, ``ROS 2`` or ``MQTT``."""
+    """The system that is listened to: ``ROS 1``, ``ROS 2``, ``MQTT`` or ``Foxglove``."""
     transport: str
-    """Name of the transport: ``ros1``, ``ros2_dds``, ``ros2_rclpy`` or ``mqtt``."""
+    """Name of the transport: ``ros1``, ``ros2_dds``, ``ros2_rclpy``, ``mqtt`` or ``foxglove``."""
     reason: str
     """Reason for this one, as the end of a sentence."""
     node: Callable[[str], Any]
     """Function that makes a node of a name."""
-    publisher: Callable[..., Any]
-    """Function that makes a publisher of a node, topic, type and definition."""
+    publisher: Callable[..., Any] | None
+    """Function that makes a publisher of a node, topic, type and definition; None where nothing can be published."""
+    server: Callable[..., Any] | None = None
+    """Function that makes a service of a node, name, type, definitions and who answers; None where there are none."""
 
     @property
     def generation(self) -> Literal[1, 2]:
@@ -51,9 +53,11 @@ class Live:
 def open_live(choice: str = "auto", *, period: float = 0.5) -> Live:
     """Open the live source that is chosen, or that of the ROS that runs here.
 
-    ``choice`` is one of CHOICES or the address of an MQTT broker; the clock comes at multiples of ``period`` [s].
-    Raises SourceError where it cannot be spoken, or there is none.
+    ``choice`` is one of CHOICES or the address of an MQTT broker or a Foxglove server; the clock comes at multiples of
+    ``period`` [s]. Raises SourceError where it cannot be spoken, or there is none.
     """
+    if choice.partition("://")[0] == "foxglove":
+        return _foxglove(choice, period)
     if "://" in choice:
         return _mqtt(choice, period)
     if choice not in CHOICES:
@@ -65,7 +69,7 @@ def open_live(choice: str = "auto", *, period: float = 0.5) -> Live:
     if generation == 1:
         from robophm.transports import ros1
 
-        return Live(ros1.Ros1(period=period), "ROS 1", "ros1", reason, ros1.Node, ros1.Publisher)
+        return Live(ros1.Ros1(period=period), "ROS 1", "ros1", reason, ros1.Node, ros1.Publisher, ros1.Service)
     return {"dds": _dds, "rclpy": _rclpy}.get(choice, _ros2)(reason, period)
 
 
@@ -77,17 +81,28 @@ def _mqtt(address: str, period: float) -> Live:
     return Live(source, "MQTT", "mqtt", f"{source.address}, {AS_ASKED}", node, mqtt.Publisher)
 
 
+def _foxglove(place: str, period: float) -> Live:
+    from robophm.transports import foxglove
+
+    source = foxglove.Foxglove(place, period=period)
+    encoding = source.published_encoding()
+    system = {"cdr": "ROS 2", "ros1": "ROS 1"}.get(encoding, "Foxglove")
+    publisher = foxglove.Publisher if encoding else None
+    return Live(source, system, "foxglove", f"{source.place}, {AS_ASKED}", partial(foxglove.Node, source), publisher)
+
+
 def _dds(reason: str, period: float) -> Live:
     from robophm.transports import ros2_dds
 
-    return Live(ros2_dds.Ros2Dds(period=period), "ROS 2", "ros2_dds", reason, ros2_dds.Node, ros2_dds.Publisher)
+    source = ros2_dds.Ros2Dds(period=period)
+    return Live(source, "ROS 2", "ros2_dds", reason, ros2_dds.Node, ros2_dds.Publisher, ros2_dds.Service)
 
 
 def _rclpy(reason: str, period: float) -> Live:
     from robophm.transports import ros2_rclpy
 
     source = ros2_rclpy.Ros2Rclpy(period=period)
-    return Live(source, "ROS 2", "ros2_rclpy", reason, ros2_rclpy.Node, ros2_rclpy.Publisher)
+    return Live(source, "ROS 2", "ros2_rclpy", reason, ros2_rclpy.Node, ros2_rclpy.Publisher, ros2_rclpy.Service)
 
 
 def _ros2(reason: str, period: float) -> Live:

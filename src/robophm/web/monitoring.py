@@ -94,6 +94,11 @@ class Run:
     looks: int = 0
     """Number of reports so far."""
 
+    def hear_of_task(self, task: JudgedTask) -> None:
+        """Keep a task that arrived or was done; one that was given up was never done."""
+        if task.outcome == "succeeded":
+            self.judged.append(task)
+
 
 class _Tapped(LiveSource):
     """A source, live or not, whose samples are put on a board as they pass."""
@@ -306,7 +311,7 @@ class Monitoring:
                 monitor = watch(
                     run.robot, tapped, store=store, journal=journal, period=self._period, on_tick=look, on_start=begin,
                     task_topics=(*TASK_TOPICS, *source.task_topics) if isinstance(source, LiveSource) else (),
-            on_task=run.judged.append,
+                    on_task=run.hear_of_task,
                 )  # fmt: skip
                 newest = monitor.ledger.newest or 0
                 monitor.marks = [mark for mark in monitor.marks if mark[0] <= newest]

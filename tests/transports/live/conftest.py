@@ -1,4 +1,5 @@
+from ..foxglove.conftest import foxglove_sdk
 from ..mqtt.conftest import mosquitto
 from ..ros2_dds.conftest import domain
 
-__all__ = ["domain", "mosquitto"]
+__all__ = ["domain", "foxglove_sdk", "mosquitto"]

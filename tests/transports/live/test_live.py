@@ -70,7 +70,9 @@ def test_nothing_at_all(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     with pytest.raises(SourceError, match=r"nothing here speaks ROS 2: pip install robophm\[ros2\]"):
         generation_here()
-    with pytest.raises(SourceError, match=r"nothing is heard by way of 'dss'; .*auto, dds, rclpy, ros1, ros2"):
+    with pytest.raises(
+        SourceError, match=r"nothing is heard by way of 'dss'; .*auto, dds, foxglove, rclpy, ros1, ros2"
+    ):
         open_live("dss")
 
 

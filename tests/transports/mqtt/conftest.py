@@ -102,6 +102,9 @@ class Robot:
 class RosAsJson:
     """The room of this transport for the contract suite: on the other side, messages of ROS as JSON, by paho."""
 
+    ours = False
+    """Whether the other side is a node and a publisher of ours."""
+
     def __init__(self, broker: Broker) -> None:
         self.__name__ = "robophm.transports.mqtt"
         self._broker = broker

@@ -6,7 +6,10 @@ import json
 import math
 import re
 import subprocess
+import threading
+import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -109,7 +112,7 @@ def read(ros: System, python_path: Path, code: str) -> list[Any]:
 
 def test_md5_sums_are_those_of_genmsg_and_of_the_2020_tool(python_path: Path) -> None:
     made = {file.stem[1:]: file.read_text() for file in (python_path / PACKAGE / "msg").glob("_[A-Z]*.py")}
-    assert {"Health", "TaskCompletion", *OLD} == set(made)
+    assert {"Health", "TaskCompletion", "TaskLeg", *OLD} == set(made)
     for name, code in made.items():
         type_ = f"{PACKAGE}/msg/{name}"
         sums = re.findall(r'_md5sum = "(\w+)"', code)
@@ -122,20 +125,41 @@ def test_a_subscriber_of_the_2020_tool_hears_what_it_did(
     sink.publish(report)
     done = {"nominal": Completion(0.75, 0.25), "sensor_based": Completion(0.5, 0.5)}
     sink.judged(JudgedTask(True, T0, "/task_time", 0.125, 250.0, done))
-    rates, survival, potc = read(ros, python_path, """
+    gone = {"nominal": Completion(0.5, 0.5), "sensor_based": Completion(0.25, 0.75)}
+    sink.judged(JudgedTask(True, T0 + 1, "/move_base/result", 0.5, 9.0, gone, None, "/nav-7", "cancelled"))
+    rates, survival, potc, ended = read(ros, python_path, """
 for topic, type_ in (("phm_hazard_rate", HazardRate), ("phm_reliability", Reliability)):
     m = rospy.wait_for_message("/hall/r2/" + topic, type_, 20)
     print(json.dumps([m.stamp.secs, m.system_value, m.system_sensor_based_value, m.module_names, m.module_values]))
 m = rospy.wait_for_message("/hall/r2/phm_potc", Potc, 20)
 print(json.dumps([m.actual_potc.potc_nominal_value, m.actual_potc.potc_sensor_based_value, m.actual_potc.potc_time,
-    m.actual_potc.potc_distance, m.predict_potc.potc_nominal_value]))
+    m.actual_potc.potc_distance, m.predict_potc.potc_nominal_value, m.predict_potc.potc_time]))
+m = rospy.wait_for_message("/hall/r2/phm/task_actual", TaskCompletion, 20)
+print(json.dumps([m.topic, m.goal, m.outcome == TaskCompletion.CANCELLED, m.completion_sensor_based]))
 """)  # fmt: skip
     assert rates[0] == survival[0] == 1_700_000_003
     assert rates[1:] == [pytest.approx(1.000002e-3), pytest.approx(1.000002e-3), ["Power", "Arm"],
                          pytest.approx([1e-3, 2e-9])]  # fmt: skip
     assert survival[1] == pytest.approx(math.exp(-0.1), rel=1e-6)
     assert potc[:4] == [0.75, 0.5, 0.125, 250.0]
-    assert math.isnan(potc[4])  # no task was planned: that is not a task that must fail
+    assert potc[4:] == [pytest.approx(math.exp(-0.002), rel=1e-6), 2.0]  # the design's own, until another is planned
+    assert ended == ["/move_base/result", "/nav-7", True, 0.25]
+
+
+def test_before_anything_is_known_of_a_task_it_is_not_one_that_must_fail(
+    ros: System, sink: HealthTopics, report: HealthReport, python_path: Path
+) -> None:
+    sink.publish(replace(report, task=None))
+    (potc,) = read(
+        ros,
+        python_path,
+        """
+m = rospy.wait_for_message("/hall/r2/phm_potc", Potc, 20)
+print(json.dumps([getattr(one, n) for one in (m.actual_potc, m.predict_potc) for n in one.__slots__]))
+""",
+    )
+    assert len(potc) == 8
+    assert all(map(math.isnan, potc))
 
 
 def test_flat_health_has_all_the_digits(
@@ -195,6 +219,52 @@ rospy.spin()
     assert {"/hall/r2/phm_hazard_rate_calculation_node", "/hall/r2/phm_reliability_estimation_node",
             "/hall/r2/phm_robot_task_completion_node"} <= set(ros.run("/usr/bin/rosnode", "list").split())  # fmt: skip
     assert "/hall/r2/phm_potc" in ros.run("/usr/bin/rosnode", "info", "/hall/r2/phm_robot_task_completion_node")
+
+
+def test_diagnostics_go_on_once_a_second_and_notes_are_in_the_log(
+    ros: System, sink: HealthTopics, report: HealthReport
+) -> None:
+    """However far apart reports are: who listens takes five seconds without a word for a dead node."""
+    process = ros.talk("""
+import json
+from diagnostic_msgs.msg import DiagnosticArray
+from rosgraph_msgs.msg import Log
+rospy.init_node("reader", anonymous=True)
+rospy.Subscriber("/diagnostics", DiagnosticArray, lambda m: say("diagnostics"))
+rospy.Subscriber("/rosout", Log, lambda m: "hall" in m.name and say(json.dumps([m.level == Log.WARN, m.name, m.msg])))
+say("ready")
+rospy.spin()
+""")
+    publishers: Any = [sink._publishers[topic][0] for topic in ("/diagnostics", "/rosout")]
+    within(20, lambda: all(one.subscribers for one in publishers))
+    sink.repeat()  # there is nothing to tell yet
+    assert process.stdout is not None
+    over = threading.Event()
+
+    def go_on() -> None:  # as the live loop does, between two reports
+        while not over.wait(0.02):
+            sink.repeat()
+
+    begun = time.monotonic()
+    sink.publish(report)
+    looking = threading.Thread(target=go_on)
+    looking.start()
+    try:
+        for times in range(3):
+            assert process.stdout.readline() == "diagnostics\n"
+            assert time.monotonic() - begun >= times
+    finally:
+        over.set()
+        looking.join()
+    lost, gone = {"lost on the way on /motor": 3}, {"silent /lidar.range": 1}
+    logged: list[Any] = []
+    for notes in (lost, lost, lost | {"receipt time used for /motor": 1}, lost | gone):
+        sink.noted(notes)
+    while len(logged) < 2:
+        line = process.stdout.readline()
+        logged += [json.loads(line)] if line != "diagnostics\n" else []
+    name = "/hall/r2/phm_hazard_rate_calculation_node"
+    assert logged == [[True, name, "lost on the way on /motor (3 times)"], [True, name, "silent /lidar.range"]]
 
 
 def test_markers_in_colours_of_states(ros: System, sink: HealthTopics, report: HealthReport) -> None:

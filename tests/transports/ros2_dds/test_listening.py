@@ -74,6 +74,14 @@ def test_what_is_not_there_is_said_at_once(peer: Peer, live: LiveSource) -> None
     assert [info.type for info in live.topics() if info.topic == "/plain/odd"] == ["odd_msgs/msg/Odd"]
 
 
+def test_a_definition_that_is_missing_is_named_while_it_listens(peer: Peer, live: LiveSource) -> None:
+    Heard(live, "/soon/odd.x")
+    peer.writer("/soon/odd", "odd_msgs::msg::dds_::Odd_")
+    missing = "topic '/soon/odd': no definition of its type 'odd_msgs/msg/Odd' is known; "
+    within(10, lambda: any(what.startswith(missing) for what in live.notes.copy()))
+    assert "expected share/odd_msgs/msg/Odd.msg in a folder of AMENT_PREFIX_PATH" in min(live.notes.copy())
+
+
 def test_a_type_that_is_installed_somewhere(
     peer: Peer, live: LiveSource, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -46,7 +46,9 @@ def test_five_goals_of_nav2_are_five_tasks_of_which_three_are_done(robot: Peer, 
             if task := tasks.hear(heard.time, heard.topic, heard.message):
                 told.append(task)
     assert [task.legs[0].distance for task in told if isinstance(task, PlannedTask)] == [10, 20, 30, 40, 50]
-    assert sum(isinstance(task, DoneTask) for task in told) == 3
+    ends = ["succeeded", "failed", "succeeded", "cancelled", "succeeded"]
+    assert [task.outcome for task in told if isinstance(task, DoneTask)] == ends
+    assert [task.goal for task in told[::2]] == [task.goal for task in told[1::2]]  # each ends by its own name
 
 
 def test_px4_is_heard_by_the_version_in_its_topic(robot: Peer, live: LiveSource) -> None:

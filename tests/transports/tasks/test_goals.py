@@ -15,6 +15,8 @@ from robophm.transports.recordings.recording import Recording
 from robophm.transports.tasks import DoneLeg, DoneTask, PlannedLeg, PlannedTask, TaskTopics, tasks_of
 
 T0 = 1_700_000_000 * SECOND
+ONE = "01010101-0101-0101-0101-010101010101"
+"""The name of a goal of sixteen bytes of 1, as ros2 action shows it."""
 
 HUMBLE = """
 geometry_msgs/PoseStamped current_pose
@@ -128,9 +130,9 @@ def test_nav2(tmp_path: Path, text: str) -> None:
     tasks, notes = tape.tasks()
     topic = f"{where}/feedback"
     assert tasks == [
-        PlannedTask(T0 + 12 * SECOND, topic, (PlannedLeg(20.0, 0.5),)),
-        DoneTask(T0 + 10 * SECOND, T0 + 14 * SECOND, f"{where}/status", (DoneLeg(17.0, 4 * SECOND / HOUR),)),
-        PlannedTask(T0 + 16 * SECOND, topic, (PlannedLeg(5.0, None),)),
+        PlannedTask(T0 + 12 * SECOND, topic, (PlannedLeg(20.0, 0.5),), ONE),
+        DoneTask(T0 + 10 * SECOND, T0 + 14 * SECOND, f"{where}/status", (DoneLeg(17.0, 4 * SECOND / HOUR),), ONE),
+        PlannedTask(T0 + 16 * SECOND, topic, (PlannedLeg(5.0, None),), ONE.replace("1", "2")),
     ]
     assert notes == {"goal on /navigate_to_pose ended without success": 1}
 
@@ -148,8 +150,8 @@ def test_move_base(tmp_path: Path) -> None:
     tape.say(9, "/move_base/status", "actionlib_msgs/msg/GoalStatusArray", status_list=[{**goal, "status": 3}])
     tasks, notes = tape.tasks("/move_base")
     assert tasks == [
-        PlannedTask(T0 + 2 * SECOND, "/move_base/feedback", (PlannedLeg(10.0, None),)),
-        DoneTask(T0 + 2 * SECOND, T0 + 8 * SECOND, "/move_base/result", (DoneLeg(10.0, 6 * SECOND / HOUR),)),
+        PlannedTask(T0 + 2 * SECOND, "/move_base/feedback", (PlannedLeg(10.0, None),), "/nav-1"),
+        DoneTask(T0 + 2 * SECOND, T0 + 8 * SECOND, "/move_base/result", (DoneLeg(10.0, 6 * SECOND / HOUR),), "/nav-1"),
     ]
     assert not notes
 
@@ -179,9 +181,33 @@ def test_waypoints_take_their_distance_from_odometry_or_are_counted() -> None:
             if odometry:
                 topics.hear(T0 + second * SECOND, "/odom", place)
             found.append(topics.hear(T0 + second * SECOND, "/follow_waypoints/_action/x", message))
-        done = DoneTask(T0, T0 + 2 * SECOND, "/follow_waypoints/_action/x", (DoneLeg(6.0, 2 * SECOND / HOUR),))
+        done = DoneTask(T0, T0 + 2 * SECOND, "/follow_waypoints/_action/x", (DoneLeg(6.0, 2 * SECOND / HOUR),),
+                        "07" * 4 + "-" + "-".join(["0707"] * 3) + "-" + "07" * 6)  # fmt: skip
         assert found == [None, None, done if odometry else None]
         assert sum(topics.notes.values()) == (not odometry)
+
+
+@pytest.mark.parametrize(("ros", "state", "outcome"), [
+    (1, 2, "cancelled"), (1, 4, "failed"), (1, 8, "cancelled"), (1, 9, "failed"), (2, 5, "cancelled"), (2, 6, "failed"),
+])  # fmt: skip
+def test_a_goal_that_fails_or_is_cancelled_ends_its_task_by_its_name(ros: int, state: int, outcome: str) -> None:
+    """actionlib_msgs/GoalStatus and action_msgs/GoalStatus number the ends of a goal differently."""
+    name = Message(id="/nav-7") if ros == 1 else Message(uuid=[1] * 16)
+    topics, over = TaskTopics(), Message(goal_info=Message(goal_id=name), goal_id=name, status=state)
+    if ros == 1:
+        del over.goal_info
+    for second, x in enumerate((0.0, 3.0)):
+        feedback = Message(current_pose=Message(pose=Message(position=Message(x=x, y=0.0))), distance_remaining=9.0 - x)
+        said = Message(
+            feedback=feedback, **({"goal_id": name} if ros == 2 else {"status": Message(goal_id=name, status=1)})
+        )
+        topics.hear(T0 + second * SECOND, "/go/_action/feedback", said)
+    ended = topics.hear(T0 + 4 * SECOND, "/go/_action/status", Message(status_list=[over]))
+    assert isinstance(ended, DoneTask)
+    assert (ended.goal, ended.outcome, ended.legs) == (
+        "/nav-7" if ros == 1 else ONE, outcome, (DoneLeg(3.0, 4 * SECOND / HOUR),)
+    )  # fmt: skip
+    assert topics.notes == {"goal on /go ended without success": 1}
 
 
 def test_hostile_goals() -> None:

@@ -269,6 +269,18 @@ def test_paths_that_lead_nowhere(new: Path) -> None:
     assert notes == {"no task in a message on /plan (the first: 0 positions; expected at least 2)": 3}
 
 
+def test_a_path_that_is_planned_anew_is_no_new_task() -> None:
+    """As navigation plans on the way: from where the robot is to about the same end; elsewhere, or later, is new."""
+    topics = TaskTopics()
+    ways = [
+        (0, [(0.0, 0.0), (8.0, 0.0)]), (1, [(1.0, 0.0), (4.0, 2.0), (8.0, 0.1)]), (50, [(7.0, 0.0), (8.0, 0.0)]),
+        (51, [(7.0, 0.0), (7.0, 5.0)]), (52, [(7.0, 0.0), (8.0, 0.0)]), (113, [(0.0, 0.0), (8.0, 0.0)]),
+    ]  # fmt: skip
+    found = [topics.texts.hear_path(T0 + second * SECOND, "/plan", way) for second, way in ways]
+    assert [one.legs[0].distance if one else None for one in found] == [8.0, None, None, 5.0, 1.0, 8.0]
+    assert topics.texts.hear_path(T0 + 114 * SECOND, "/other", [(5.0, 0.0), (8.0, 0.0)])
+
+
 def test_a_broken_path_is_no_half_of_a_task() -> None:
     texts = [("/task_time", "[5]"), ("/plan", None), ("/task_position", "[[0, 0], [1, 0]]")]
 

@@ -39,7 +39,10 @@ Unit = Annotated[str, typer.Option(help="of hazard rates: 1/h, FIT or FPMH", cal
 Legacy = Annotated[bool, typer.Option("--legacy", help="beside the figures of the 2020 tool")]
 Force = Annotated[bool, typer.Option("--force", help="also where that file exists")]
 Via = Annotated[
-    str, typer.Option("--via", help="auto, ros1, ros2, dds, rclpy or mqtt://broker/topic: how the robot is heard")
+    str,
+    typer.Option(
+        "--via", help="auto, ros1, ros2, dds, rclpy, mqtt://broker/topic or foxglove://robot: how the robot is heard"
+    ),
 ]
 ChanceSeed = Annotated[int, typer.Option(help="seed of --monte-carlo", min=0)]
 

@@ -31,8 +31,21 @@ def typestore(generation: Generation) -> Typestore:
     types: Typesdict = {}
     for name, text in texts.items():
         types |= get_types_from_msg(text, f"{PACKAGE}/msg/{name}")
+    for file in (folder / "srv").glob("*.srv"):
+        halves = file.read_text(encoding="utf-8").split("\n---\n")
+        for name, text in zip(service_types(f"{PACKAGE}/srv/{file.stem}", generation), halves, strict=True):
+            types |= get_types_from_msg(text, name)
     store.register(types)
     return store
+
+
+def service_types(service: str, generation: Generation) -> tuple[str, str]:
+    """Return the types of the request and the response of a service, ``phm_msgs/srv/AssessTask``, as messages.
+
+    ROS 1 spells them ``phm_msgs/AssessTaskRequest``; ROS 2 ``phm_msgs/srv/AssessTask_Request``, which rosbags has not.
+    """
+    name = service.replace("/srv/", "/msg/") + ("" if generation == 1 else "_")
+    return f"{name}Request", f"{name}Response"
 
 
 @cache

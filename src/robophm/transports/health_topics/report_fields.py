@@ -102,11 +102,17 @@ def _potc(task: JudgedTask | None) -> Fields:
     }
 
 
+OUTCOMES = {"succeeded": 1, "failed": 2, "cancelled": 3}
+"""Values of phm_msgs/TaskCompletion for the ends of a task; 0 is one that is planned."""
+
+
 def task_completion(task: JudgedTask) -> Fields:
     """Return the fields of a phm_msgs/TaskCompletion message of one task."""
     return {
         "header": {"stamp": stamp(task.time)},
         "topic": task.topic,
+        "goal": task.goal,
+        "outcome": OUTCOMES[task.outcome] if task.done else 0,
         "duration": task.duration,
         "distance": task.distance,
         **{
@@ -185,6 +191,14 @@ def diagnostics(report: HealthReport, node: str) -> Fields:
         ]
         + [_worn(report, one, node) for one in report.wear[:MOST_STATUSES]],
     }
+
+
+def logged(line: str, time: int, node: str, generation: int) -> Fields:
+    """Return the fields of a warning in the log: rosgraph_msgs/Log of ROS 1, rcl_interfaces/Log of ROS 2."""
+    common = {"name": f"/{node}", "msg": line, "file": "robophm", "function": "watch"}
+    if generation == 1:
+        return {**common, "header": {"stamp": stamp(time)}, "level": 4, "topics": []}
+    return {**common, "name": node.replace("/", "."), "stamp": stamp(time), "level": 30}
 
 
 def listening(notes: Mapping[str, int], robot: str, node: str, *, fresh: bool) -> Fields:

@@ -9,11 +9,11 @@ from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from typing import Any
 
+from robophm.core.counted_notes import FreshNotes
 from robophm.core.errors import SourceError
-from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
 from robophm.health.alarms import Alarm
-from robophm.health.report import HealthReport
+from robophm.health.report import VIEWS, HealthReport
 from robophm.transports.health_topics import report_fields
 from robophm.transports.health_topics.definitions import PACKAGE, typestore
 from robophm.transports.health_topics.message_of_fields import compose
@@ -33,16 +33,19 @@ COMPLETION_NODE = "phm_robot_task_completion_node"
 WARNED_SECONDS = 10.0
 """The time for which what was lost or refused is a warning on /diagnostics [s]."""
 
-DIAGNOSTICS_EVERY = SECOND
-"""Nanoseconds between two messages on /diagnostics (REP-107)."""
+DIAGNOSTICS_EVERY = 1.0
+"""Seconds between two messages on /diagnostics (REP-107)."""
+
+LOG = {1: "rosgraph_msgs/msg/Log", 2: "rcl_interfaces/msg/Log"}
+"""The type of /rosout, by generation of ROS."""
 
 
 class HealthTopics(ReportSink):
     """Publishes a robot's health to ROS, below a namespace; a context manager.
 
     phm_hazard_rate, phm_reliability and phm_potc as the 2020 tool did, and health by phm_msgs/Health for the robot, and
-    each module and component; phm/task_predicted, phm/task_actual; phm/markers; /diagnostics. All but /diagnostics are
-    latched.
+    each module and component; phm/task_predicted, phm/task_actual; phm/markers; /diagnostics; what was lost or refused
+    also on /rosout. All but /diagnostics are latched.
 
     Raises SourceError where the namespace is none.
     """
@@ -58,7 +61,10 @@ class HealthTopics(ReportSink):
         self._publishers: dict[str, tuple[Publisher, str]] = {}
         self._lock = threading.Lock()
         self._latest: dict[bool, JudgedTask] = {}
-        self._diagnosed = 0
+        self._report: HealthReport | None = None
+        self._due = -math.inf
+        """The time of the next message on /diagnostics [s], by a clock that nobody sets."""
+        self._fresh = FreshNotes()
         self._heard_of: Mapping[str, int] = {}
         self._alarms: Sequence[Alarm] = ()
         self._noted = -math.inf
@@ -81,6 +87,7 @@ class HealthTopics(ReportSink):
                 self._open(HAZARD_RATE_NODE, topic, f"{PACKAGE}/msg/Health")
             self._open(HAZARD_RATE_NODE, f"{self._root}/phm/markers", "visualization_msgs/msg/MarkerArray")
             self._open(HAZARD_RATE_NODE, "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", latched=False)
+            self._open(HAZARD_RATE_NODE, "/rosout", LOG[outlet.generation])
             undo.pop_all()
 
     def _open(self, node: str, topic: str, type_: str, *, latched: bool = True) -> None:
@@ -100,17 +107,23 @@ class HealthTopics(ReportSink):
             if topic := self._topics.get(path):
                 self._send(topic, report_fields.health(report, one))
         self._send(f"{self._root}/phm/markers", report_fields.markers(report, self._frame))
-        now = report.time or 0
-        if not 0 <= now - self._diagnosed < DIAGNOSTICS_EVERY:
-            self._diagnosed = now
-            fields = report_fields.diagnostics(report, self._diagnosing)
+        self._report = report
+        self.repeat()
+        self._send_completions(report.time or 0)
+
+    def repeat(self) -> None:
+        """Tell /diagnostics once a second, by the latest report, however far apart reports are."""
+        if self._report and (now := time.monotonic()) >= self._due:
+            kept = now - self._due < DIAGNOSTICS_EVERY  # else it begins anew
+            self._due = (self._due if kept else now) + DIAGNOSTICS_EVERY
+            fields = report_fields.diagnostics(self._report, self._diagnosing)
             status = [*fields["status"], *self._statuses(self._alarms), self._listening()]
             self._send("/diagnostics", {**fields, "status": status})
-        self._send_completions(now)
 
     def judged(self, task: JudgedTask) -> None:
-        """Publish a task, and on phm_potc the latest done and the latest planned task."""
-        self._latest[task.done] = task
+        """Publish a task, and on phm_potc the latest done and the latest planned task; none that was given up."""
+        if task.outcome == "succeeded":
+            self._latest[task.done] = task
         self._send(
             f"{self._root}/phm/task_{'actual' if task.done else 'predicted'}", report_fields.task_completion(task)
         )
@@ -121,8 +134,14 @@ class HealthTopics(ReportSink):
         return f"{self._root}/{HAZARD_RATE_NODE}".lstrip("/")
 
     def noted(self, notes: Mapping[str, int]) -> None:
-        """Publish at once on /diagnostics what was lost, silent or refused; for a while it is a warning."""
+        """Publish at once on /diagnostics what was lost, silent or refused; for a while it is a warning.
+
+        On /rosout each at first, and when it is ten times as many.
+        """
         self._heard_of, self._noted = notes, time.monotonic()
+        if lines := self._fresh.lines(notes):  # in one message: of a latched topic only the last is kept
+            said = report_fields.logged("; ".join(lines), time.time_ns(), self._diagnosing, self._outlet.generation)
+            self._send("/rosout", said)
         self._send(
             "/diagnostics", {"header": {"stamp": report_fields.stamp(time.time_ns())}, "status": [self._listening()]}
         )
@@ -147,8 +166,19 @@ class HealthTopics(ReportSink):
         return self._outlet.notes
 
     def _send_completions(self, now: int) -> None:
-        fields = report_fields.task_completions(now, self._latest.get(True), self._latest.get(False))
+        predicted = self._latest.get(False) or self._own_task
+        fields = report_fields.task_completions(now, self._latest.get(True), predicted)
         self._send(f"{self._root}/phm_potc", fields)
+
+    @property
+    def _own_task(self) -> JudgedTask | None:
+        """The task of the design as the latest report sees it, which is ahead until the robot tells of another."""
+        report = self._report
+        if report is None or report.task is None or report.system.sensor_based.completion is None:
+            return None
+        judged = {view: done for view in VIEWS if (done := getattr(report.system, view).completion)}
+        return JudgedTask(False, report.time or 0, "", report.task.duration, report.task.distance, judged,
+                          report.system.unknown)  # fmt: skip
 
     def _send(self, topic: str, fields: report_fields.Fields) -> None:
         with self._lock:

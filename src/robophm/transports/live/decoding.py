@@ -52,8 +52,8 @@ class TopicDecoder:
         self.type = type_
         self.identity = identity
         """The md5 sum or hash of the type, by which it is known when it changes."""
-        names = {part[0] for part in self.type.definitions[HEADER][1]} if self.type.stamp else set()
-        self._numbered = "seq" in names
+        names = {part[0] for part in self.type.definitions[HEADER][1]} if HEADER in self.type.definitions else set()
+        self._numbered = bool(self.type.stamp) and "seq" in names
         self._getters = []
         self._namers = []
         self._elements: dict[str, tuple[str, Element | None]] = {}
@@ -82,6 +82,8 @@ class TopicDecoder:
             slots.index(field) if field in slots else 0 for field in (_SECONDS, _NANOSECONDS, _SEQUENCE)
         )
         self._single: Single | None = None
+        if self.type.store is None:  # of another encoding than ROS's
+            return None
         try:
             program = compile_fields(self.type, tuple(slots))
         except NotCompilableError:

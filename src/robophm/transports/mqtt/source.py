@@ -5,10 +5,11 @@ from __future__ import annotations
 import threading
 import time
 import uuid
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import is_topic
+from robophm.transports.live.pushed import Pushed
 from robophm.transports.live.receiving import (
     QUEUE,
     TICK,
@@ -109,14 +110,15 @@ class Mqtt(ListeningSource):
             self._notes.add(self._cut_off)
         queue = Queue(self._notes, self._queue)
         hearing = Receiver(self._notes, queue.put, topics, simulated=False, known_to=self.known_to)
-        subscription = Subscription(wanted, hearing, queue.hand_on, self._tick)
+        pushed = Pushed("mqtt", hearing, queue.hand_on, self._tick)
+        subscription = Subscription(wanted, pushed)
         run = Run(queue, hearing, subscription)
         self._begin(run)
         with self._lock:
             for known in self._known.values():
                 known.latest = 0
         self._subscription = subscription
-        subscription.start()
+        pushed.start()
         self.connection.ask_again()
         return run.heard()
 
@@ -202,46 +204,24 @@ class _Known:
         return old
 
 
-class Subscription(threading.Thread):
-    """The listening to the topics of signals: messages come in the connection's thread, the clock ticks in this one."""
+class Subscription:
+    """The listening to the topics of signals, whose messages come in the connection's thread."""
 
-    def __init__(
-        self, wanted: Mapping[str, Collection[str]], hearing: Receiver, served: Callable[[], None], tick: float
-    ) -> None:
-        super().__init__(name="mqtt clock", daemon=True)
-        all_wanted = dict.fromkeys(hearing.whole, ()) | dict(wanted)
+    def __init__(self, wanted: Mapping[str, Collection[str]], pushed: Pushed) -> None:
+        all_wanted = dict.fromkeys(pushed.hearing.whole, ()) | dict(wanted)
         self._decoders = {topic: JsonDecoder(topic, signals) for topic, signals in all_wanted.items()}
-        self._before: dict[str, int | None] = {}
-        self._hearing = hearing
-        self._served = served
-        self._every = tick
-        self._lock = threading.Lock()
-        self._over = threading.Event()
-
-    def run(self) -> None:
-        """Put a clock sample at every tick."""
-        while not self._over.wait(self._every - time.time() % self._every):
-            with self._lock:
-                self._hearing.tell()
-                self._served()
+        self._pushed = pushed
 
     def hear(self, topic: str, raw: bytes) -> None:
         """Take a message of a topic, where it is wanted."""
         if decoder := self._decoders.get(topic):
-            with self._lock:
-                self._before[topic] = self._hearing.messages(decoder, [raw], self._before.get(topic))
-                self._served()
+            self._pushed.hear(decoder, raw)
 
     def lost(self) -> None:
         """Take it that from now on messages are missed on all topics."""
-        with self._lock:
-            for topic in self._decoders.keys() & self._before.keys():
-                self._hearing.missing(topic, "connection lost")
-            self._served()
+        self._pushed.lost(self._decoders.values())
 
     def close(self) -> None:
-        """End the clock; what comes is heard no longer."""
-        self._over.set()
-        self._decoders.clear()
-        if self.is_alive():
-            self.join()
+        """Hear no longer."""
+        self._decoders = {}
+        self._pushed.close()

@@ -99,6 +99,20 @@ def md5_of(type_: str, text: str) -> str:
     return _md5(type_, texts, {})
 
 
+@lru_cache(maxsize=64)
+def md5_of_service(type_: str, request: str, response: str) -> str:
+    """Return the md5 sum of a service by the full texts of its request and response, as genmsg makes it.
+
+    Raises ValueError as ``md5_of``.
+    """
+    halves = []
+    for name, text in ((f"{type_}Request", request), (f"{type_}Response", response)):
+        names_and_texts = _PARTS.split(text)
+        texts = dict(zip(names_and_texts[1::2], names_and_texts[2::2], strict=True)) | {name: names_and_texts[0]}
+        halves.append(_summed(name, texts, {name: None}))
+    return hashlib.md5("".join(halves).encode(), usedforsecurity=False).hexdigest()
+
+
 def _md5(type_: str, texts: dict[str, str], known: dict[str, str | None]) -> str:
     if type_ not in texts or len(known) > MOST_PARTS:
         raise ValueError(f"{type_} is missing")
@@ -107,6 +121,12 @@ def _md5(type_: str, texts: dict[str, str], known: dict[str, str | None]) -> str
             raise ValueError(f"{type_} contains itself")
         return done
     known[type_] = None
+    known[type_] = done = hashlib.md5(_summed(type_, texts, known).encode(), usedforsecurity=False).hexdigest()
+    return done
+
+
+def _summed(type_: str, texts: dict[str, str], known: dict[str, str | None]) -> str:
+    """The text of a type of which the sum is made: constants first, and types in it by their sums."""
     package = type_.partition("/")[0]
     constants, fields = [], []
     for line in texts[type_].split("\n"):
@@ -123,5 +143,4 @@ def _md5(type_: str, texts: dict[str, str], known: dict[str, str | None]) -> str
             fields.append(f"{part}{array or ''} {name}")
         elif plain:
             raise ValueError(f"'{plain[:100]}' is no field")
-    known[type_] = done = hashlib.md5("\n".join(constants + fields).encode(), usedforsecurity=False).hexdigest()
-    return done
+    return "\n".join(constants + fields)

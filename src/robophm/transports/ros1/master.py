@@ -19,16 +19,16 @@ def published_topics(master: str, caller: str) -> list[tuple[str, str]]:
     return sorted((topic, type_) for topic, type_ in table)
 
 
-def system_state(master: str, caller: str) -> tuple[Nodes, Nodes]:
-    """Return publishers and subscribers of each topic. Raises PeerError."""
+def system_state(master: str, caller: str) -> tuple[Nodes, Nodes, Nodes]:
+    """Return publishers and subscribers of each topic, and who serves each service. Raises PeerError."""
     tables = call(master, "getSystemState", caller)
-    if not isinstance(tables, list) or len(tables) < 2 or not all(map(_pairs, tables[:2])):
+    if not isinstance(tables, list) or len(tables) < 3 or not all(map(_pairs, tables[:3])):
         raise PeerError(f"{master}: getSystemState: no lists of topics and nodes", "malformed answer")
-    publishers, subscribers = (
+    publishers, subscribers, servers = (
         {topic: [node for node in nodes if isinstance(node, str)] for topic, nodes in table if isinstance(nodes, list)}
-        for table in tables[:2]
+        for table in tables[:3]
     )
-    return publishers, subscribers
+    return publishers, subscribers, servers
 
 
 def _pairs(table: Any) -> bool:

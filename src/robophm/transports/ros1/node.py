@@ -15,7 +15,7 @@ from robophm.core.errors import SourceError
 from robophm.transports.ros1.environment import place
 from robophm.transports.ros1.loop import Loop
 from robophm.transports.ros1.master import system_state
-from robophm.transports.ros1.served_subscriber import PendingSubscriber, Publication
+from robophm.transports.ros1.served_subscriber import PendingCaller, Publication, Served
 from robophm.transports.ros1.slave import Caller, Slave, believed
 from robophm.transports.ros1.xmlrpc import call
 from robophm.transports.signals.incidents import Incidents, PeerError
@@ -47,6 +47,8 @@ class Node:
         self.subscribed: dict[str, Callable[[list[str]], None]] = {}
         """Functions by topic that are told its publishers."""
         self.published: dict[str, Publication] = {}
+        self.served: dict[str, Served] = {}
+        """Services by name."""
         self.told_to_end: Callable[[], None] = lambda: None
         """Function that is called when the node retires."""
         self.bus: Callable[[], list[list[Any]]] = list
@@ -54,7 +56,7 @@ class Node:
         self._registering = threading.Lock()
         self._stale: set[str] = set()
         self._registered: set[str] = set()
-        """Topics whose publisher the master knows from us, not from one of our name that ended without a word."""
+        """Topics and services that the master knows from us, not from one of our name that ended without a word."""
         self._publishers: dict[str, frozenset[str]] = {}
         self._away = False
         self._closed = self._retired = False
@@ -62,7 +64,9 @@ class Node:
         self.loop = Loop(f"ros1 {self.name}", self.notes)
         slave = Slave(self)
         slave_port = self.loop.listen(self.place.bind, lambda each: Caller(self.loop, each, slave.answer))
-        self.port = self.loop.listen(self.place.bind, lambda each: PendingSubscriber(self.loop, each, self.published))
+        self.port = self.loop.listen(
+            self.place.bind, lambda each: PendingCaller(self.loop, each, self.published, self.served)
+        )
         self.uri = f"http://{self.place.host}:{slave_port}/"
         self._keeper = threading.Thread(target=self._keep, name=f"ros1 {self.name} registration", daemon=True)
         self.loop.start()
@@ -98,6 +102,13 @@ class Node:
                 with suppress(PeerError):
                     self.ask("unregisterPublisher", topic, self.uri)
 
+    def serve(self, name: str, service: Served) -> None:
+        """Make a service known. Raises SourceError where the node serves it already."""
+        if name in self.served:
+            raise SourceError(f"{self.name} serves {name} already")
+        self.served[name] = service
+        self.renew()
+
     def renew(self, topic: str | None = None) -> None:
         """Look at once what the master knows; of this topic also whether its publishers have moved."""
         if topic:
@@ -110,6 +121,8 @@ class Node:
             self._closed = True
             self._woken.set()
             self._keeper.join()
+            for service in self.served.values():
+                service.close()
             self.loop.close()
 
     def retire(self) -> None:
@@ -132,11 +145,15 @@ class Node:
 
     def _register(self) -> None:
         stale, self._stale = self._stale, set()
-        publishers, subscribers = system_state(self.place.master, self.name)
+        publishers, subscribers, servers = system_state(self.place.master, self.name)
         for topic, publisher in list(self.published.items()):
             if topic not in self._registered or self.name not in publishers.get(topic, ()):
                 self.ask("registerPublisher", topic, publisher.type, self.uri)
                 self._registered.add(topic)
+        for name in list(self.served):
+            if name not in self._registered or self.name not in servers.get(name, ()):
+                self.ask("registerService", name, f"rosrpc://{self.place.host}:{self.port}", self.uri)
+                self._registered.add(name)
         for topic, heard in list(self.subscribed.items()):
             known = frozenset(publishers.get(topic, ()))
             unknown = self.name not in subscribers.get(topic, ())
@@ -170,5 +187,7 @@ class Node:
                 self.ask("unregisterSubscriber", topic, self.uri)
             for topic in list(self.published):
                 self.ask("unregisterPublisher", topic, self.uri)
+            for name in list(self.served):
+                self.ask("unregisterService", name, f"rosrpc://{self.place.host}:{self.port}")
         except PeerError:
             self.notes.add("master not reachable to unregister")

@@ -31,16 +31,32 @@ class Publication(Protocol):
         """Forget a subscriber that is gone; called in the loop."""
 
 
-class PendingSubscriber(Peer):
-    """A connection before it has said of which topic it is."""
+class Served(Protocol):
+    """A service of a node, as those who call it meet it."""
 
-    def __init__(self, loop: Loop, connection: socket.socket, published: Mapping[str, Publication]) -> None:
+    def mismatch(self, fields: Mapping[str, str]) -> str:
+        """Return what is wrong with a caller's header; empty where nothing is."""
+
+    def welcome(self, connection: socket.socket, fields: Mapping[str, str], more: bytes) -> None:
+        """Take in who calls, and has already sent ``more`` behind its header; called in the loop."""
+
+    def close(self) -> None:
+        """Answer no more."""
+
+
+class PendingCaller(Peer):
+    """A connection before it has said of which topic or service it is."""
+
+    def __init__(
+        self, loop: Loop, connection: socket.socket, published: Mapping[str, Publication],
+        served: Mapping[str, Served],
+    ) -> None:  # fmt: skip
         super().__init__(loop, connection)
         self.deadline = time.monotonic() + CALL_SECONDS
-        self._published = published
+        self._published, self._served = published, served
 
     def taken(self) -> None:
-        """Hand a connection whose header is there to its publisher, or say what is wrong with it."""
+        """Hand a connection whose header is there to its publisher or service, or say what is wrong with it."""
         if len(self.received) < 4:
             return
         (length,) = struct.unpack_from("<I", self.received)
@@ -52,15 +68,25 @@ class PendingSubscriber(Peer):
             fields = decoded(bytes(self.received[4 : 4 + length]))
         except ValueError as error:
             self._refuse(str(error))
+        if service := self._served.get(fields.get("service", "")):
+            if wrong := service.mismatch(fields):
+                self._refuse(wrong)
+            more = bytes(self.received[4 + length :])
+            self._hand_over()
+            service.welcome(self.connection, fields, more)
+            return
         publisher = self._published.get(fields.get("topic", ""))
         if publisher is None:
             self._refuse("topic is not published here")
         elif wrong := _mismatch(fields, publisher.header):
             self._refuse(wrong)
         else:
-            self.loop.forget(self)
-            self.closed = True  # for the connection lives on
+            self._hand_over()
             publisher.welcome(self.connection)
+
+    def _hand_over(self) -> None:
+        self.loop.forget(self)
+        self.closed = True  # for the connection lives on
 
     def _refuse(self, why: str) -> None:
         self.loop.notes.add("subscriber refused")

@@ -78,7 +78,7 @@ class Ros1(ListeningSource):
         ``fields`` is empty where no publisher tells the definition. Raises SourceError where the master is gone.
         """
         published = published_topics(self._master, CALLER)
-        publishers, _ = system_state(self._master, CALLER)
+        publishers, *_ = system_state(self._master, CALLER)
         counts = self._run.hearing.counts if self._run else {}
         nodes = sorted({node for topic, _ in published for node in publishers.get(topic, ())})
         with ThreadPoolExecutor(CONNECTORS) as pool:

@@ -81,7 +81,7 @@ def connect(caller: str, topic: str, uri: str) -> tuple[socket.socket, dict[str,
     if "error" in fields:
         connection.close()
         raise PeerError(f"{where}: {fields['error'][:200]}", "connection refused")
-    _keep_alive(connection)
+    keep_alive(connection)
     return connection, fields
 
 
@@ -93,8 +93,8 @@ def _exactly(connection: socket.socket, length: int, deadline: float) -> bytes:
     return bytes(received)
 
 
-def _keep_alive(connection: socket.socket) -> None:
-    """A publisher whose machine is gone, without a word, is noticed after half a minute."""
+def keep_alive(connection: socket.socket) -> None:
+    """Have it noticed after half a minute that the machine at the other end is gone without a word."""
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     for option, value in (("TCP_KEEPIDLE", 15), ("TCP_KEEPINTVL", 5), ("TCP_KEEPCNT", 3)):
         if hasattr(socket, option):  # by other names, or not at all, outside Linux

@@ -14,7 +14,7 @@ from collections import Counter
 from typing import Any, NamedTuple, cast
 
 from robophm.core.errors import SourceError
-from robophm.transports.ros2_dds.definition import Definition, dds_name
+from robophm.transports.ros2_dds.definition import Definition
 from robophm.transports.signals.incidents import Incidents
 
 BLOCKED = 0
@@ -158,7 +158,7 @@ class Participant:
         if key not in self._structs:
             fields = {field: self._part(part, definition) for field, part in definition.type.definitions[name][1]}
             self._structs[key] = make_idl_struct(
-                name.rpartition("/")[2] + "_", dds_name(name).replace("::", "."), fields
+                name.rpartition("/")[2] + "_", definition.spelled(name).replace("::", "."), fields
             )
         return self._structs[key]
 

@@ -47,6 +47,10 @@ class Definition:
         """Return the user data by which a reader or writer tells others the hash of the type."""
         return f"typehash={self.hash};".encode()
 
+    def spelled(self, name: str) -> str:
+        """Return the name of one of its types as DDS has it."""
+        return dds_name(name)
+
 
 def ros2_name(name: str) -> str:
     """Return ``std_msgs/msg/Float64``, also for a name without the middle, as ROS 1 spells it. Raises SourceError."""

@@ -23,6 +23,18 @@ class Publication(Protocol):
         """Stop publishing the topic."""
 
 
+class Served(Protocol):
+    """A service of a node: what the node tells of it, and ends with itself."""
+
+    gid: bytes
+    """Global identifier of the writer of replies."""
+    reader_gid: bytes
+    """Global identifier of the reader of requests."""
+
+    def close(self) -> None:
+        """Answer no more."""
+
+
 class Node:
     """A node of ROS 2; a context manager. Without a name it has one of its own, ``/robophm_1f0c…``.
 
@@ -35,6 +47,7 @@ class Node:
             raise SourceError(f"'{self.name}' is not the name of a ROS node; expected e.g. '/robophm'")
         self.notes = Incidents() if notes is None else notes
         self.published: dict[str, Publication] = {}
+        self.served: dict[str, Served] = {}
         self._closing = threading.Lock()
         self._closed = False
         self.graph = self.join(domain)
@@ -56,25 +69,37 @@ class Node:
         if topic in self.published:
             raise SourceError(f"{self.name} publishes {topic} already")
         self.published[topic] = publisher
-        self._tell()
+        self.tell()
 
     def unpublish(self, topic: str) -> None:
         """Withdraw the publisher of a topic."""
         if self.published.pop(topic, None):
-            self._tell()
+            self.tell()
+
+    def serve(self, name: str, service: Served) -> None:
+        """Make a service known, whose ends are told later. Raises SourceError where the node serves it already."""
+        if name in self.served:
+            raise SourceError(f"{self.name} serves {name} already")
+        self.served[name] = service
 
     def close(self) -> None:
         """End its publishers and take its name away; twice does no harm."""
         with self._closing:
             if not self._closed:
+                for service in self.served.values():
+                    service.close()
                 for publisher in list(self.published.values()):
                     publisher.close()
                 self._closed = True
                 self.graph.remove(self.name)
                 self.graph.leave()
 
-    def _tell(self) -> None:
-        self.graph.writes(self.name, [publisher.gid for publisher in self.published.values()])
+    def tell(self) -> None:
+        """Tell the graph all ends of the node's topics and services."""
+        services = self.served.values()
+        self.graph.writes(self.name, [one.gid for one in (*self.published.values(), *services)])
+        if services:
+            self.graph.reads(self.name, [one.reader_gid for one in services])
 
     def __enter__(self) -> Self:
         return self

@@ -66,6 +66,8 @@ class Subscription(threading.Thread):
         self._definitions: dict[tuple[str, str], Definition | TypeRefusedError] = {}
         self._refused: set[int] = set()
         """Publishers that were refused, each counted once."""
+        self._undefined: dict[str, str] = {}
+        """Words on the first definition of each topic that was not found."""
         self._refused_before = self._graph.refused()
         """Messages that Cyclone has refused."""
         self._over = threading.Event()
@@ -210,7 +212,10 @@ class Subscription(threading.Thread):
     def _refuse(self, topic: str, offer: Offer, error: TypeRefusedError) -> None:
         if offer.key not in self._refused:
             self._refused.add(offer.key)
-            self._notes.add(f"{error.kind} on {topic}")
+            if error.kind == _DAMAGED:  # by the first of a topic: publishers can tell any type they like
+                self._notes.add(self._undefined.setdefault(topic, str(error)))
+            else:
+                self._notes.add(f"{error.kind} on {topic}")
             if topic not in self._hearing.whole:  # those may be there or not
                 self.mistake = self.mistake or error
 

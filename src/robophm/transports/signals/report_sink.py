@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Literal, Self
 
 from robophm.health.alarms import Alarm
 from robophm.health.mission import Completion
@@ -30,6 +30,10 @@ class JudgedTask:
     completion: Mapping[View, Completion]
     unknown: PartsOfUnknownRate | None = None
     """The effect of parts of unknown rate on its completion."""
+    goal: str = ""
+    """Name by which the robot knows its goal; empty where it told none."""
+    outcome: Literal["succeeded", "failed", "cancelled"] = "succeeded"
+    """The way in which a done task ended; of what was driven of it until then the figures tell."""
 
 
 class ReportSink(ABC):
@@ -45,6 +49,9 @@ class ReportSink(ABC):
 
     def noted(self, notes: Mapping[str, int]) -> None:  # noqa: B027  most sinks tell of health alone
         """Take what was lost, silent, refused or made anew: all counts so far, told when one has changed."""
+
+    def repeat(self) -> None:  # noqa: B027  most sinks tell what they have once
+        """Tell again what others expect to hear all the time; called at least twice a second, also in silence."""
 
     def alarmed(self, changed: Sequence[Alarm], going_on: Sequence[Alarm]) -> None:  # noqa: B027  most tell of health
         """Take alarms that have begun, ended or changed, and all that go on now."""

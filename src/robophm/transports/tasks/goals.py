@@ -3,7 +3,8 @@
 Nav2 (ROS 2): ``<action>/_action/feedback`` of NavigateToPose, NavigateThroughPoses, FollowWaypoints, FollowPath, and
 ``<action>/_action/status`` (action_msgs/GoalStatusArray). move_base (ROS 1): ``<action>/goal``, ``feedback``,
 ``status``, ``result`` (actionlib). A goal is planned when its feedback first says how far it is; it is done when its
-status says that it succeeded. Fields are found by name, since later versions append some.
+status says that it succeeded, and has ended as well where that says otherwise. Fields are found by name, since later
+versions append some.
 """
 
 from __future__ import annotations
@@ -12,15 +13,17 @@ import math
 from collections import Counter
 from dataclasses import dataclass
 from typing import Any
+from uuid import UUID
 
 from robophm.core.signal import HOUR, SECOND
-from robophm.transports.tasks.told import DoneLeg, DoneTask, PlannedLeg, PlannedTask
+from robophm.transports.tasks.told import DoneLeg, DoneTask, Outcome, PlannedLeg, PlannedTask
 
-SUCCEEDED = {1: 3, 2: 4}
-"""Numbers of the state "succeeded", by generation of ROS (actionlib_msgs/GoalStatus, action_msgs/GoalStatus)."""
-
-FAILED = {1: (2, 4, 5, 8, 9), 2: (5, 6)}
-"""Preempted, aborted, rejected, recalled and lost; cancelled and aborted."""
+ENDS: dict[int, dict[int, Outcome]] = {
+    1: {3: "succeeded", 2: "cancelled", 8: "cancelled", 4: "failed", 5: "failed", 9: "failed"},
+    2: {4: "succeeded", 5: "cancelled", 6: "failed"},
+}
+"""States in which a goal has ended, by generation of ROS and number (actionlib_msgs/GoalStatus: preempted, recalled;
+aborted, rejected, lost; action_msgs/GoalStatus: canceled; aborted)."""
 
 MOST_ACTIONS = 100
 """Actions that are followed; messages of further ones are counted."""
@@ -106,28 +109,38 @@ class GoalListener:
             return None
         goal.planned = True
         seconds = _nanoseconds(getattr(feedback, "estimated_time_remaining", None)) / SECOND
-        return PlannedTask(time, topic, (PlannedLeg(float(distance), distance / seconds if seconds > 0 else None),))
+        return PlannedTask(
+            time, topic, (PlannedLeg(float(distance), distance / seconds if seconds > 0 else None),), _text(name)
+        )
 
     def _ends(self, time: int, topic: str, action: str, name: bytes | str, state: int, ros: int) -> DoneTask | None:
         goal = self._goals.get(action)
-        if goal is None or goal.name != name or state not in (SUCCEEDED[ros], *FAILED[ros]):
+        outcome = ENDS[ros].get(state)
+        if goal is None or goal.name != name or outcome is None:
             return None
         del self._goals[action]
         self._ended[action] = name
-        if state != SUCCEEDED[ros]:
+        if outcome != "succeeded":
             self.notes[f"goal on {action} ended without success"] += 1
-            return None
         driven = goal.driven
         if self._odometer is not None and goal.odometer is not None:
             driven = self._odometer - goal.odometer
         if driven is None:
-            self.notes[f"goal on {action} done, nothing says how far it was; expected odometry among the topics"] += 1
+            self.notes[
+                f"goal on {action} {outcome}, nothing says how far it was; expected odometry among the topics"
+            ] += 1
             return None
-        return DoneTask(goal.start, time, topic, (DoneLeg(driven, (time - goal.start) / HOUR),))
+        leg = DoneLeg(driven, (time - goal.start) / HOUR)
+        return DoneTask(goal.start, time, topic, (leg,), _text(name), outcome)
 
 
 def _name(goal_id: Any) -> bytes | str:
     return bytes(goal_id.uuid) if hasattr(goal_id, "uuid") else str(goal_id.id)
+
+
+def _text(name: bytes | str) -> str:
+    """The name of a goal as ROS's tools show it."""
+    return name if isinstance(name, str) else str(UUID(bytes=name)) if len(name) == 16 else name.hex()
 
 
 def _status(one: Any) -> tuple[bytes | str, int, int]:

@@ -89,9 +89,13 @@ def _says_where(topic: str, types: Mapping[str, str]) -> bool:
 
 
 def tasks_in(messages: Iterable[tuple[int, str, Any]], topics: TaskTopics) -> Iterator[PlannedTask | DoneTask]:
-    """Yield the tasks that these messages tell of; None in place of a message is one that cannot be read."""
+    """Yield the tasks that these messages tell of, planned or done; of others that ended it is noted that they did.
+
+    None in place of a message is one that cannot be read.
+    """
     for time, topic, message in messages:
-        if task := topics.hear(time, topic, message):
+        task = topics.hear(time, topic, message)
+        if task and (isinstance(task, PlannedTask) or task.outcome == "succeeded"):
             yield task
     topics.texts.end()
 

@@ -16,6 +16,12 @@ from robophm.transports.tasks.told import DoneLeg, DoneTask, PlannedLeg, Planned
 TEXT_TOPICS = ("robot_task_list", "task_time", "task_position", "task_positions")
 """The last steps of the topics whose text tells of tasks."""
 
+SAME_PLACE = 0.25
+"""Metres between the ends of two paths that lead to one goal: Nav2's tolerance of a goal, unless it is configured."""
+
+REPLANNED = 60 * SECOND
+"""Nanoseconds between two paths to one goal, up to which the later is the same task, planned anew."""
+
 _LIST, _TIME = "robot_task_list", "task_time"
 
 
@@ -31,6 +37,8 @@ class TaskListener:
         self.notes = Counter() if notes is None else notes
         self._waiting: dict[str, _Half] = {}
         self._reasons: dict[str, str] = {}
+        self._paths: dict[str, tuple[int, tuple[float, float]]] = {}
+        """The time of the latest path on each topic, and its end."""
 
     def hear(self, time: int, topic: str, text: str | None) -> PlannedTask | DoneTask | None:
         """Return the task that this text on one of TEXT_TOPICS completes; None is one that came and cannot be read."""
@@ -50,12 +58,21 @@ class TaskListener:
         return None if name == _LIST else self._pair(half)
 
     def hear_path(self, time: int, topic: str, places: Iterable[tuple[float, float]]) -> PlannedTask | None:
-        """Return the task to follow a path: one leg, since no speed is said by which they would differ."""
+        """Return the task to follow a path: one leg, since no speed is said by which they would differ.
+
+        Navigation plans anew while it drives: a path to the end of the one before, within REPLANNED, is no new task.
+        """
         try:
-            return PlannedTask(time, topic, (PlannedLeg(finite(sum(_distances([*places]))), None),))
+            path = [*places]
+            task = PlannedTask(time, topic, (PlannedLeg(finite(sum(_distances(path))), None),))
         except SourceError as error:
             self._refuse(topic, str(error))
             return None
+        before = self._paths.get(topic)
+        self._paths[topic] = time, path[-1]
+        if before and time - before[0] <= REPLANNED and math.dist(before[1], path[-1]) <= SAME_PLACE:
+            return None
+        return task
 
     def end(self) -> None:
         """Count what still waits for its other half."""

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
+
+Outcome = Literal["succeeded", "failed", "cancelled"]
+"""The end of a goal: reached, given up by the robot, or called off by whoever set it."""
 
 
 class PlannedLeg(NamedTuple):
@@ -31,13 +34,17 @@ class PlannedTask:
     time: int
     topic: str
     legs: tuple[PlannedLeg, ...]
+    goal: str = ""
+    """Name by which the robot knows its goal; empty where it told none."""
 
 
 @dataclass(frozen=True)
 class DoneTask:
-    """A task that was done from ``start`` to ``end`` [ns since the epoch]."""
+    """A task that was done, or given up, from ``start`` to ``end`` [ns since the epoch]."""
 
     start: int
     end: int
     topic: str
     legs: tuple[DoneLeg, ...]
+    goal: str = ""
+    outcome: Outcome = "succeeded"

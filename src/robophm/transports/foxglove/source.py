@@ -1,0 +1,255 @@
+"""The live source of a server of the Foxglove WebSocket protocol."""
+
+from __future__ import annotations
+
+import threading
+import time
+import uuid
+from collections.abc import Collection, Iterator
+from itertools import count
+from typing import Any
+
+from robophm.core.errors import SourceError
+from robophm.transports.foxglove.connection import Connection
+from robophm.transports.foxglove.protocol import MOST_CHANNELS, PUBLISHED_ENCODINGS, Channel, address, channels_of, text
+from robophm.transports.live.decoding import TopicDecoder
+from robophm.transports.live.pushed import Pushed
+from robophm.transports.live.receiving import (
+    CLOCK_TOPIC,
+    QUEUE,
+    TICK,
+    ListeningSource,
+    Queue,
+    Receiver,
+    Run,
+    by_topic,
+    tick_of,
+)
+from robophm.transports.signals.incidents import Incidents, TypeRefusedError
+from robophm.transports.signals.message_type import numeric_fields
+from robophm.transports.signals.source import LiveItem, TopicInfo
+
+DISCOVERY_SECONDS = 1.0
+"""Seconds from the first connection until the channels that a server has are taken to be known."""
+
+
+class Foxglove(ListeningSource):
+    """Live topics of a robot that serves them over the Foxglove WebSocket protocol; a context manager.
+
+    ``place`` is ``foxglove://host:port``; the server's own default is port 8765 of this machine. ``samples`` is
+    endless: it goes on through a server that is lost and channels that come and go, until ``close``, which may come
+    from any thread. A sample's time is its header's stamp, or its receipt where that is zero or 10 s off; where the
+    server has /clock, receipt is its time. Clock samples come at multiples of ``period`` [s], and at least twice a
+    second. ``notes`` counts what was dropped, refused, unreadable, and made anew.
+
+    Raises SourceError where there is no such server.
+    """
+
+    def __init__(self, place: str = "foxglove", *, queue: int = QUEUE, period: float = TICK) -> None:
+        self._address = address(place)
+        self.fingerprint = uuid.uuid4().hex  # what is live is never the same twice
+        self.notes = self._notes = Incidents()
+        self._queue, self._tick = queue, tick_of(period)
+        self._closed = False
+        self._lock = threading.RLock()
+        self._channels: dict[int, Channel] = {}
+        self._fields: dict[str, tuple[str, ...]] = {}
+        self._taken: tuple[str, ...] = ()
+        """Encodings of messages that the server takes from us; none where it takes none."""
+        self._listening: _Listening | None = None
+        self.connection = Connection(self._address, self, self._notes)
+        self.connection.start()
+        self._born = time.monotonic()
+
+    @property
+    def place(self) -> str:
+        """Return the server."""
+        return f"the Foxglove server at {self._address}"
+
+    def hidden_by(self) -> list[str]:
+        """Return what could keep topics from being heard."""
+        return ["a server may serve some of its robot's topics alone: topic_whitelist of foxglove_bridge"]
+
+    def published_encoding(self) -> str:
+        """Return the encoding in which the server takes messages of ROS; empty where it takes none."""
+        self._settle()
+        return next((one for one in PUBLISHED_ENCODINGS if one in self._taken), "")
+
+    def _settle(self) -> None:
+        time.sleep(max(0.0, self._born + DISCOVERY_SECONDS - time.monotonic()))
+
+    def told(self, message: dict[str, Any]) -> None:
+        """Take a message of the protocol; called in the connection's thread."""
+        op = message.get("op")
+        if op == "serverInfo":
+            takes = "clientPublish" in _listed(message, "capabilities")
+            self._taken = tuple(map(str, _listed(message, "supportedEncodings"))) if takes else ()
+        elif op == "advertise":
+            with self._lock:
+                for channel in channels_of(message.get("channels")):
+                    if len(self._channels) >= MOST_CHANNELS:
+                        self._notes.add(f"over {MOST_CHANNELS} channels, some not heard")
+                        break
+                    self._channels[channel.id] = channel
+                    if self._listening:
+                        self._listening.take_in(channel)
+        elif op == "unadvertise":
+            with self._lock:
+                gone = [one for one in _listed(message, "channelIds") if isinstance(one, int) and one in self._channels]
+                for number in gone:
+                    del self._channels[number]
+                if self._listening:
+                    self._listening.let_go(gone)
+        elif op == "status" and message.get("level") in (1, 2):
+            self._notes.add("the server warns, as its own log says")
+
+    def heard(self, subscription: int, raw: bytes) -> None:
+        """Take a message on a topic; called in the connection's thread."""
+        if listening := self._listening:
+            listening.hear(subscription, raw)
+
+    def lost(self) -> None:
+        """Take it that the server is gone, with all its channels; called in the connection's thread."""
+        with self._lock:
+            self._channels.clear()
+            if self._listening:
+                self._listening.let_go()
+
+    def topics(self) -> list[TopicInfo]:
+        """Return the topics served now; their messages and times are counted since they are listened to."""
+        if self._closed:
+            raise SourceError("the source is closed")
+        self._settle()
+        counts = self._run.hearing.counts if self._run else {}
+        found: dict[str, TopicInfo] = {}
+        with self._lock:
+            channels = list(self._channels.values())
+        for channel in channels:
+            known = counts.get(channel.topic)
+            messages, first, last = (known.messages, known.first, known.last) if known else (0, None, None)
+            name, fields = self._described(channel)
+            found.setdefault(channel.topic, TopicInfo(channel.topic, name, messages, first, last, fields))
+        return [found[topic] for topic in sorted(found)]
+
+    def _described(self, channel: Channel) -> tuple[str, tuple[str, ...]]:
+        try:
+            type_ = channel.type()
+        except SourceError:
+            return channel.schema_name, ()
+        if channel.identity not in self._fields:
+            self._fields[channel.identity] = tuple(numeric_fields(type_.definitions, type_.name))
+        return type_.name, self._fields[channel.identity]
+
+    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
+        """Yield the samples of these signals in order of arrival, clock samples, and the messages on these topics.
+
+        What an earlier call gave ends. Raises SourceError where a signal is none, or a topic that is served has no such
+        field or cannot be decoded.
+        """
+        wanted = by_topic(signals)
+        if self._closed:
+            raise SourceError("the source is closed")
+        if self._run:
+            self._run.close()
+        self._settle()
+        self.notes = self._notes = self.connection.notes = Incidents()
+        queue = Queue(self._notes, self._queue)
+        with self._lock:
+            simulated = any(channel.topic == CLOCK_TOPIC for channel in self._channels.values())
+            hearing = Receiver(self._notes, queue.put, topics, simulated=simulated, known_to=self.known_to)
+            listening = _Listening(self, wanted, Pushed("foxglove", hearing, queue.hand_on, self._tick))
+            run = Run(queue, hearing, listening)
+            self._begin(run)
+            self._listening = listening  # what is latched comes at once
+            for channel in list(self._channels.values()):
+                listening.take_in(channel)
+            if listening.mistake:
+                run.close()
+                raise listening.mistake
+        listening.pushed.start()
+        return run.heard()
+
+    def close(self) -> None:
+        """End ``samples``, the connection and all threads; twice does no harm."""
+        self._closed = True
+        if self._run:
+            self._run.close()
+        self.connection.close()
+
+
+def _listed(message: dict[str, Any], name: str) -> list[Any]:
+    """The list in a message, empty where it has none."""
+    found = message.get(name)
+    return found if isinstance(found, list) else []
+
+
+class _Listening:
+    """One call of ``listen``: which channels it has subscribed, each with its decoder."""
+
+    _numbers = count(1)
+
+    def __init__(self, source: Foxglove, wanted: dict[str, list[str]], pushed: Pushed) -> None:
+        self.pushed = pushed
+        self.mistake: SourceError | None = None
+        """The first signal that a topic does not have, or type that cannot be decoded."""
+        self._source = source
+        self._notes = source.connection.notes
+        self._wanted = dict.fromkeys(pushed.hearing.whole, ()) | dict(wanted)
+        self._wanted.setdefault(CLOCK_TOPIC, ())  # it may be served later
+        self._decoders: dict[int, TopicDecoder] = {}
+        """Decoders by the numbers of subscriptions."""
+        self._subscribed: dict[int, int] = {}
+        """Subscriptions by the numbers of their channels."""
+        self._types: dict[str, str] = {}
+        """The type that was last heard on a topic."""
+
+    def take_in(self, channel: Channel) -> None:
+        """Subscribe a channel, where it is wanted and can be decoded."""
+        if channel.topic not in self._wanted or channel.id in self._subscribed:
+            return
+        try:
+            decoder = self._decoder(channel)
+        except TypeRefusedError as error:
+            self._notes.add(f"{error.kind} on {channel.topic}")
+            if channel.topic not in self.pushed.hearing.whole:  # those may be there or not
+                self.mistake = self.mistake or error
+            return
+        if channel.topic == CLOCK_TOPIC:
+            self.pushed.hearing.simulated = True
+        before = self._types.get(channel.topic)
+        if before is not None:
+            self._notes.add(f"connected again to {channel.topic}")
+            if before != channel.identity:
+                self._notes.add(f"type changed on {channel.topic}")
+        self._types[channel.topic] = channel.identity
+        number = next(self._numbers)
+        self._decoders[number] = decoder
+        self._subscribed[channel.id] = number
+        self._source.connection.send(text("subscribe", subscriptions=[{"id": number, "channelId": channel.id}]))
+
+    def _decoder(self, channel: Channel) -> TopicDecoder:
+        try:
+            return TopicDecoder(channel.topic, channel.type(), self._wanted[channel.topic], channel.identity)
+        except TypeRefusedError:
+            raise
+        except SourceError as error:
+            raise TypeRefusedError(str(error), "definition missing or damaged") from None
+
+    def hear(self, subscription: int, raw: bytes) -> None:
+        """Take a message of a subscription; of one that has ended it is left."""
+        if decoder := self._decoders.get(subscription):
+            self.pushed.hear(decoder, raw)
+
+    def let_go(self, channels: Collection[int] | None = None) -> None:
+        """Take it that channels are gone, all unless some are given: what was heard there has a gap."""
+        gone = [self._subscribed.pop(one, 0) for one in list(self._subscribed if channels is None else channels)]
+        decoders = [self._decoders.pop(number, None) for number in gone]  # of which there are none once it is closed
+        self.pushed.lost([decoder for decoder in decoders if decoder])
+
+    def close(self) -> None:
+        """Subscribe no longer; twice does no harm."""
+        numbers = list(self._decoders)
+        self._decoders.clear()
+        if numbers:
+            self._source.connection.send(text("unsubscribe", subscriptionIds=numbers))
+        self.pushed.close()
