@@ -18,6 +18,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 from robophm.core.errors import RobophmError, StoreError
+from robophm.stores.sqlite import SqliteStore
 from robophm.web import guard
 from robophm.web.access import users as of_users
 from robophm.web.access.changes import MOST_VALUES, Change, ChangeLog
@@ -231,6 +232,24 @@ def test_the_log_says_who_changed_which_rate_from_what_to_what(served: Served) -
                            text=True, check=True)  # fmt: skip
     assert 'modules/see/components/lidar/rate: "30 FPMH" → "31 FPMH"' in done_.stdout
     assert "eve (editor) from 127.0.0.1: POST /api/design/edits" in done_.stdout
+
+
+def test_who_acknowledges_is_whoever_is_logged_in(tmp_path: Path) -> None:
+    design, past = tmp_path / "courier.yaml", tmp_path / "past.db"
+    design.write_text(SMALL)
+    alarm = dict.fromkeys(("what", "path", "cause", "doubt", "ended_by", "acknowledged_by"), "")
+    alarm |= {"severity": "warn", "begin": 1, "end": None, "acknowledged_at": None}
+    with SqliteStore(past) as store:
+        store.save("courier", {"n": 1})
+        store.alarm_log("courier").keep([{**alarm, "what": "hot"}, {**alarm, "what": "cold"}])
+    with serving(design, store=str(past)) as served:
+        assert "a name" in served.post("/api/alarms/acknowledge", {"number": 1, "by": " "}, 422)["message"]
+        served.post("/api/alarms/acknowledge", {"number": 1, "by": "Bob"})
+        token = served.service.visitors.users.add_token("anna", "operator")
+        served.client.headers["authorization"] = f"Bearer {token}"
+        served.post("/api/alarms/acknowledge", {"number": 2, "by": "Bob"})
+        found = {one["what"]: one["acknowledged_by"] for one in served.get("/api/alarms")["alarms"]}
+    assert found == {"hot": "Bob", "cold": "anna"}
 
 
 def test_the_log_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
