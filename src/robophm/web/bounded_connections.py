@@ -26,13 +26,13 @@ MOST, MOST_OF_ADDRESS = 512, 96
 """Connections that there may be, and how many an address may have, or a /64 of IPv6."""
 
 MOST_LIVE = 48
-"""Of these, how many may be of live values, so that there are always some for requests."""
+"""Connections of an address that may be of live values: the others are left for requests."""
 
 MOST_HELD = 48_000_000
-"""Bytes of bodies that may be held at once until the rest of them comes."""
+"""Size of all bodies that may be held at once until the rest of them comes [bytes]."""
 
 SMALL = 100_000
-"""Bytes of a body that may always be held: one of each connection."""
+"""Size of a body that each connection may always hold [bytes]."""
 
 
 class BoundedConnection(H11Protocol):
