@@ -68,7 +68,9 @@ def open_live(choice: str = "auto", *, period: float = 0.5) -> Live:
     generation, reason = (1 if choice == "ros1" else 2, AS_ASKED) if choice != "auto" else generation_here()
     if generation == 1:
         from robophm.transports import ros1
+        from robophm.transports.ros2_dds.environment import refuse_enforced_security
 
+        refuse_enforced_security("ROS 1 has no security")
         return Live(ros1.Ros1(period=period), "ROS 1", "ros1", reason, ros1.Node, ros1.Publisher, ros1.Service)
     return {"dds": _dds, "rclpy": _rclpy}.get(choice, _ros2)(reason, period)
 

@@ -17,8 +17,15 @@ from robophm.core.supervisor import Supervisor
 from robophm.web.access.certificate import fingerprint, own_certificate, tls_context
 from robophm.web.access.proxies import is_loopback
 from robophm.web.app import create_app
-from robophm.web.bounded_connections import MOST_WAITING, BoundedConnection
+from robophm.web.bounded_connections import BoundedConnection
 from robophm.web.service import Service, Settings
+
+AT_ONCE = 8
+"""Connections that are taken before what was said over them is read: were it hundreds that come together, who speaks
+right away would be let go of as silent."""
+
+QUEUE = 1024
+"""Connections that may wait to be taken: whoever finds no place tries again a second later."""
 
 
 def serve(settings: Settings, port: int, ready: Callable[[str, Service, Callable[[], None]], None]) -> None:
@@ -38,12 +45,13 @@ def serve(settings: Settings, port: int, ready: Callable[[str, Service, Callable
             certificate = _certificate(settings, service)
             with _listen(settings.host, port) as listener:
                 connection = type("Connection", (BoundedConnection,), {
-                    "tls": tls_context(certificate, settings.key) if certificate else None
+                    "tls": tls_context(certificate, settings.key) if certificate else None,
+                    "is_proxy": staticmethod(service.visitors.proxies.believed),
                 })  # fmt: skip
                 config = uvicorn.Config(
                     app, log_level="warning", access_log=False, http=connection, ws="websockets-sansio",
-                    ws_max_size=1 << 20, ws_max_queue=32, limit_concurrency=2 * MOST_WAITING, timeout_keep_alive=15,
-                    timeout_graceful_shutdown=2, server_header=False, proxy_headers=False,
+                    ws_max_size=1 << 20, ws_max_queue=32, timeout_keep_alive=15,
+                    timeout_graceful_shutdown=2, server_header=False, proxy_headers=False, backlog=AT_ONCE,
                 )  # fmt: skip
                 wish.ends(server := _Server(config, supervisor))
                 host = f"[{settings.host}]" if ":" in settings.host else settings.host
@@ -73,6 +81,12 @@ class _Server(uvicorn.Server):
     def __init__(self, config: uvicorn.Config, supervisor: Supervisor) -> None:
         super().__init__(config)
         self._supervisor = supervisor
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Begin to listen; as many may wait as before, not as few as are taken at once."""
+        await super().startup(sockets)
+        for one in sockets or ():
+            one.listen(QUEUE)
 
     async def on_tick(self, counter: int) -> bool:
         """Tell the supervisor that requests are heeded, ten times a second at most; return whether to end."""
@@ -126,7 +140,7 @@ def _listen(host: str, port: int) -> socket.socket:
         listener = socket.socket(family, kind, protocol)
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind(address)
-        listener.listen(128)
+        listener.listen(QUEUE)
     except OSError as error:
         raise RobophmError(f"{host}, port {port}: cannot be had: {error.strerror}") from None
     return listener

@@ -76,5 +76,14 @@ def test_nothing_at_all(monkeypatch: pytest.MonkeyPatch) -> None:
         open_live("dss")
 
 
+def test_security_that_is_enforced_refuses_ros_1_which_has_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_SECURITY_ENABLE", "true")
+    monkeypatch.setenv("ROS_SECURITY_STRATEGY", "Enforce")
+    for choice in ("ros1", "auto"):
+        monkeypatch.setenv("ROS_VERSION", "1")
+        with pytest.raises(SourceError, match="ROS_SECURITY_STRATEGY is Enforce, and ROS 1 has no security"):
+            open_live(choice)
+
+
 def test_ros_2_where_no_master_is(cyclonedds: None) -> None:
     assert generation_here() == (2, "no ROS master answers")

@@ -3,6 +3,7 @@ import { type Alarm, useAlarms } from "../lib/alarms";
 import { post } from "../lib/api";
 import { useHealth } from "../lib/health";
 import { prefer, preferences, sayError, useShared } from "../lib/store";
+import { useVisitor } from "../lib/visitor";
 import { momentText } from "../lib/words";
 import { Text } from "../parts/Field";
 import { Icon, ICONS } from "../parts/Icon";
@@ -12,13 +13,15 @@ export const page = { name: "Alarms", icon: ICONS.bell, order: 55 };
 export default function Alarms(): ReactNode {
   const { health } = useHealth();
   const [found, setFound] = useAlarms();
-  const { name } = useShared(preferences);
+  const { name: typed } = useShared(preferences);
+  const visitor = useVisitor();
+  const name = visitor?.name || typed.trim();
   const going = found?.alarms.filter((one) => one.end == null) ?? [];
   const ended = found?.alarms.filter((one) => one.end != null) ?? [];
 
   async function acknowledge(one: Alarm): Promise<void> {
     try {
-      setFound(await post("/api/alarms/acknowledge", { number: one.number, by: name.trim() }));
+      setFound(await post("/api/alarms/acknowledge", { number: one.number, by: name }));
     } catch (error) {
       sayError(error);
     }
@@ -41,9 +44,9 @@ export default function Alarms(): ReactNode {
           <div className="row">
             <h2>Active</h2>
             <span className="grow" />
-            {going.length > 0 && <Text label="Acknowledge as" placeholder="your name" value={name} set={(said) => prefer({ name: said })} />}
+            {going.length > 0 && visitor?.name === "" && <Text label="Acknowledge as" placeholder="your name" value={typed} set={(said) => prefer({ name: said })} />}
           </div>
-          <Log alarms={going} none="None at present." label="Active alarms" acknowledge={name.trim() ? (one) => void acknowledge(one) : null} />
+          <Log alarms={going} none="None at present." label="Active alarms" acknowledge={name ? (one) => void acknowledge(one) : null} />
         </section>
       )}
       {ended.length > 0 && (

@@ -1,10 +1,9 @@
-import { type ReactNode, useEffect, useState } from "react";
-import { get, type Shapes } from "../lib/api";
+import type { ReactNode } from "react";
+import { useVisitor } from "../lib/visitor";
 
 /** Who is logged in, in which role, and the way out; nothing where anybody may. */
 export function User(): ReactNode {
-  const [user, setUser] = useState<Shapes["Visitor"]>();
-  useEffect(() => void get("/api/access").then(setUser, () => undefined), []);
+  const user = useVisitor();
   if (!user?.name) return null;
   const leave = async (): Promise<void> => {
     await fetch("./logout", { method: "POST" });

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import OrderedDict
 from collections.abc import Callable
+from functools import lru_cache
 from ipaddress import IPv6Address, ip_address, ip_network
 
 AT_ONCE = 5
@@ -42,6 +43,7 @@ class Guesses:
         self._free_at.pop(network_of(address), None)
 
 
+@lru_cache(MOST_KNOWN)
 def network_of(address: str) -> str:
     """Return what one customer of a network has: an address of IPv4, a /64 of IPv6."""
     try:

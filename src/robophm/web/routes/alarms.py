@@ -6,13 +6,14 @@ import time
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Request
 from pydantic import Field
 
 from robophm.core.errors import RobophmError
 from robophm.core.signal import SECOND
 from robophm.health.limits import limits_of
 from robophm.web.access.roles import needs
+from robophm.web.access.users import User
 from robophm.web.routes.design import REFUSED
 from robophm.web.service import Served
 from robophm.web.shapes import Shape
@@ -58,7 +59,8 @@ class Acknowledged(Shape):
     """A person takes note of an alarm."""
 
     number: Annotated[int, Field(ge=1, le=2**53)]
-    by: Annotated[str, Field(min_length=1, max_length=100)]
+    by: Annotated[str, Field(max_length=100)] = ""
+    """The name of that person where nobody has to log in; else it is that of whoever is logged in."""
 
 
 @router.get("", responses=REFUSED)
@@ -75,12 +77,15 @@ def get_alarms(service: Served, most: Annotated[int, Query(ge=1, le=10_000)] = 2
 
 @router.post("/acknowledge", responses=REFUSED)
 @needs("operator")
-def acknowledge(asked: Acknowledged, service: Served) -> AlarmsOfRobot:
-    """Take note of an alarm, by name; whoever did so first stays."""
+def acknowledge(asked: Acknowledged, request: Request, service: Served) -> AlarmsOfRobot:
+    """Take note of an alarm: as whoever is logged in, else by the name that is said; whoever did so first stays."""
+    user: User = request.scope["user"]
+    if not (name := user.name or asked.by.strip()):
+        raise RobophmError("by: expected a name")
     run = service.monitoring.run
     robot = run.robot if run else service.prepared().robot
     with service.monitoring.alarm_log(robot) as log:
-        if not log.acknowledge(asked.number, asked.by.strip() or asked.by, time.time_ns()):
+        if not log.acknowledge(asked.number, name, time.time_ns()):
             raise RobophmError(f"there is no alarm {asked.number}")
     return get_alarms(service)
 
