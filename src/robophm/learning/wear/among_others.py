@@ -22,6 +22,7 @@ from robophm.learning.wear.averaging import DRAWS, Forecast, checked, first_pass
 from robophm.learning.wear.log_regression import LIFE_SCATTER, Array, LogStudent, lasting
 from robophm.learning.wear.shape_invariant import DegradationCurve, along
 from robophm.learning.wear.stated_life import StatedLife
+from robophm.learning.wear.sudden_falls import before
 
 PARTS = (0.0, 0.5, 0.8)
 """Shares of the present level from which the way to it is looked at."""
@@ -214,7 +215,7 @@ def _course(times: Array, wear: Array, width: int, failed: float | None) -> _Tra
 
 def _level(wear: Array, width: int) -> Array:
     """The highest mean of the last readings so far; a reading far off by itself is left out."""
-    kept = np.where(_spikes(wear), _before(wear, 4), wear) if len(wear) > 8 else wear
+    kept = np.where(_spikes(wear), before(wear, 4), wear) if len(wear) > 8 else wear
     sums = np.concatenate([[0.0], np.cumsum(kept)])
     after = np.arange(1, len(wear) + 1)
     first = np.maximum(after - width, 0)
@@ -228,19 +229,10 @@ def _level(wear: Array, width: int) -> Array:
 def _spikes(wear: Array) -> npt.NDArray[np.bool_]:
     """Whether each reading is far off the four before it and the one before: noise of no usual kind."""
     steps = np.abs(np.diff(wear, prepend=wear[0]))
-    usual = SPIKE * _before(steps, 50) + 1e-12
-    found: npt.NDArray[np.bool_] = (np.abs(wear - _before(wear, 4)) > usual) & (steps > usual)
+    usual = SPIKE * before(steps, 50) + 1e-12
+    found: npt.NDArray[np.bool_] = (np.abs(wear - before(wear, 4)) > usual) & (steps > usual)
     found[:3] = False
     return found
-
-
-def _before(values: Array, count: int) -> Array:
-    """The median of so many values before each, of fewer at the start; shape of ``values``."""
-    padded = np.concatenate([np.full(count, np.nan), values[:-1]])
-    windows = np.lib.stride_tricks.sliding_window_view(padded, count).copy()
-    windows[0, -1] = values[0]
-    result: Array = np.nanmedian(windows, axis=1)
-    return result
 
 
 def _width(levels: Sequence[Array]) -> int:
