@@ -43,6 +43,9 @@ AWAY = 0.1
 """Share of draws that never reach the threshold, above which no trend shows: where a tenth and more lead elsewhere, the
 rest of them is no life that could be said either."""
 
+CONTRADICTED = 0.01
+"""Share of draws that are still short of the threshold at the last reading, as it is, below which none is believed."""
+
 WIDEST = 1e60
 """The largest magnitude of a reading; its powers are still numbers of double precision."""
 
@@ -219,7 +222,12 @@ def _to_come(
     shows = bool(np.mean(np.isinf(passage)) <= AWAY)
     if shows and law_ends:
         passage = given_slowing_ends(passage, accelerates, course, rng)
-    passage = np.maximum(passage * course.reference - since, 0.0) if shows else of_age(float(t[-1]), draws)
+    passage = passage * course.reference - since
+    shows = shows and bool(np.mean(left := passage > 0) > CONTRADICTED) if since > 0 else shows
+    if shows and since > 0:  # what would have been there before the last reading is not what came
+        chosen = np.flatnonzero(left)[np.arange(draws) * int(left.sum()) // draws]
+        passage, drift = passage[chosen], drift[chosen]
+    passage = passage if shows else of_age(float(t[-1]), draws)
     return Forecast(
         threshold, passage, drift * span / course.reference,
         float(np.median(noise)) * span, bend_of_wiener(t, y) if judged and len(t) > FEWEST else Bend(1.0, False),
