@@ -1,4 +1,4 @@
-"""Since when the wear of a unit shows: what breaks late is as sound as new for most of its life, as a bearing is.
+"""The time since which wear shows: what breaks late is as sound as new for most of its life, as a bearing is.
 
 How long such a unit goes on is told neither by its level, which wanders while it is sound, nor by its age, but by how
 long others of its kind went on since their damage showed.
