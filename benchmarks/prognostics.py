@@ -4,7 +4,8 @@ Each unit of a published set is looked at when a share λ of its life has gone b
 given. The true end is when readings first crossed the published threshold. Entries are the median of |median − truth|
 / truth where a life was said, the share of stated 90 % intervals that held, and their median width over the truth:
 alone, with the other units as teachers, and for baselines: the straight line through all readings, and the mean life of
-the others less the age; with ``--peers`` others beside us (``prognostics_peers.py``). Then the IEEE PHM 2012
+the others less the age; with ``--peers`` others beside us (``prognostics_peers.py``). Bearings are looked at once more
+at shares of the time since their damage showed, as far as any of them shows. Then the IEEE PHM 2012
 challenge's score on its training bearings, cut as it cut its own; Meeker and Escobar's Device-B, from accelerated tests
 to the temperature of use; and NASA's engines. The data are not part of the project: ``../shared``.
 """
@@ -31,6 +32,7 @@ from robophm.learning.wear.among_others import Unit, forecast_among
 from robophm.learning.wear.averaging import forecast
 from robophm.learning.wear.conditions import life_under
 from robophm.learning.wear.health_index import SignalHistory, learn_health_index
+from robophm.learning.wear.since_onset import onset
 
 Readings = tuple[Array, Array]
 
@@ -47,11 +49,14 @@ class Set:
     falls: bool = False
     others: Mapping[str, float] | None = None
     """Units with a threshold of their own."""
+    since_damage: bool = False
+    """Whether shares are of the time since damage showed, in place of the life; units that show none are left out."""
 
     def limit(self, unit: str) -> float:
         return (self.others or {}).get(unit, self.threshold)
 
 
+SINCE_DAMAGE = (0.0, 0.25, 0.5, 0.75)
 SETS = {
     "Virkler cracks": Set("virkler_crack", 49.8, (0.5, 0.7, 0.9)),
     "Alloy-A cracks to 1.6 in": Set("alloy_a_crack", 1.6, (0.5, 0.7, 0.9)),
@@ -61,8 +66,11 @@ SETS = {
     "NASA batteries": Set("nasa_battery_capacity", 1.4, (0.5, 0.7, 0.9), True, {"B0007": 1.43}),
     "IMS bearing": Set("ims_test2_mean_abs_acceleration", 0.2, (0.5, 0.7, 0.8, 0.9)),
     "FEMTO bearings": Set("femto_bearing_rms", 1.2, (0.5, 0.7, 0.8, 0.9, 0.98)),
+    "IMS bearing, since damage showed": Set("ims_test2_mean_abs_acceleration", 0.2, SINCE_DAMAGE, since_damage=True),
+    "FEMTO bearings, since damage showed": Set("femto_bearing_rms", 1.2, SINCE_DAMAGE, since_damage=True),
 }
 ENGINES, CHALLENGE, DEVICES = "C-MAPSS FD001, engines 1 to 50", "PHM 2012, training bearings", "Device-B at 80 °C"
+DAMAGED = "PHM 2012, training bearings since damage showed"
 CHALLENGE_SHARES = (0.61, 0.66, 0.75, 0.76, 0.81, 0.81, 0.82, 0.87, 0.93, 0.94, 0.97)
 """Of their lives, at which the challenge cut its eleven test bearings (its printed times left, over all lives)."""
 USE, LIMIT = 80.0, -0.5
@@ -110,6 +118,12 @@ def crossing(times: Array, values: Array, threshold: float, *, falls: bool) -> f
     return float(times[k - 1] + share * (times[k] - times[k - 1]))
 
 
+def showed(times: Array, values: Array, threshold: float, end: float) -> float | None:
+    """Since when damage showed that led to its end, on a signal that rises; None where it did not, or early."""
+    known = times < end
+    return onset(times[known], (values[known] - values[0]) / (threshold - values[0]))
+
+
 def straight(times: Array, values: Array, threshold: float) -> float:
     """What remains by the straight line of least squares."""
     slope, start = np.polyfit(times, values, 1)
@@ -150,13 +164,16 @@ def lines_of(name: str, *, peers: bool) -> Iterator[Line]:
     """All lines of one set of cracks, lasers, batteries or bearings."""
     one, units = SETS[name], readings(SETS[name].file)
     ends = {unit: crossing(*known, one.limit(unit), falls=one.falls) for unit, known in units.items()}
+    begun: dict[str, float | None] = dict.fromkeys(units, 0.0)
+    if one.since_damage:
+        begun = {unit: showed(*units[unit], one.limit(unit), end) if end else None for unit, end in ends.items()}
     for share in one.shares:
         for way, ask in ways(one, units, peers=peers).items():
             off, held, wide, start = [], [], [], time.perf_counter()
             for unit, end in ends.items():
-                if end is None:
+                if end is None or (start_at := begun[unit]) is None:
                     continue
-                t, y = (part[units[unit][0] <= share * end] for part in units[unit])
+                t, y = (part[units[unit][0] <= start_at + share * (end - start_at)] for part in units[unit])
                 truth = end - float(t[-1])
                 try:
                     low, median, high = ask(unit, t, y)
@@ -174,8 +191,11 @@ def lines_of(name: str, *, peers: bool) -> Iterator[Line]:
             )  # fmt: skip
 
 
-def challenge() -> Iterator[tuple[str, int, float, float, float]]:
-    """PHM 2012 on its training bearings: way, cuts, mean score, median error, share of 90 % intervals that held."""
+def challenge(*, since_damage: bool = False) -> Iterator[tuple[str, int, float, float, float]]:
+    """PHM 2012 on its training bearings: way, cuts, mean score, median error, share of 90 % intervals that held.
+
+    ``since_damage``: cut at shares of the time since damage showed, in place of the challenge's.
+    """
     units = readings(SETS["FEMTO bearings"].file)
     scores: dict[str, list[float]] = {"median": [], "point of the best expected score": [], "mean life": []}
     off, held = [], []
@@ -183,8 +203,11 @@ def challenge() -> Iterator[tuple[str, int, float, float, float]]:
         rest = {other: known for other, known in units.items() if other != name}
         limit = float(np.median([np.median(known[1][-5:]) for known in rest.values()]))
         others = [Unit(*known, limit, failed=float(known[0][-1])) for known in rest.values()]
-        for share in CHALLENGE_SHARES:
-            seen = t <= share * t[-1]
+        began = showed(t, y, limit, float(t[-1])) if since_damage else 0.0
+        for share in SINCE_DAMAGE if since_damage else CHALLENGE_SHARES:
+            if began is None:
+                continue
+            seen = t <= began + share * (t[-1] - began)
             truth = float(t[-1] - t[seen][-1])
             said = forecast_among(others, t[seen], y[seen], limit)
             median, drawn = said.remaining.median, said.passage[np.isfinite(said.passage)]
@@ -309,12 +332,12 @@ def _print_row(row: Sequence[Line], columns: list[str]) -> None:
     print(f"| {row[0].set} | {row[0].share:g} | {row[0].units} | {entries} |", flush=True)
 
 
-def print_challenge(*, as_json: bool) -> None:
+def print_challenge(name: str, *, as_json: bool) -> None:
     if not as_json:
-        print(f"\n| {CHALLENGE} | cuts | mean score | error of the median | 90 % held |\n|---|---|---|---|---|")
-    for way, cuts, score, off, held in challenge():
+        print(f"\n| {name} | cuts | mean score | error of the median | 90 % held |\n|---|---|---|---|---|")
+    for way, cuts, score, off, held in challenge(since_damage=name == DAMAGED):
         if as_json:
-            print(json.dumps({"set": CHALLENGE, "way": way, "cuts": cuts, "score": score, "error": off, "held": held}))
+            print(json.dumps({"set": name, "way": way, "cuts": cuts, "score": score, "error": off, "held": held}))
         else:
             median = way == "median"
             print(f"| {way} | {cuts} | {score:.2f} | {_figure(off if median else None)} "
@@ -356,7 +379,9 @@ def main() -> int:
         return not asked.sets or any(name.lower().startswith(one.lower()) for one in asked.sets)
 
     print_sets(list(filter(wanted, SETS)), peers=asked.peers, as_json=asked.json)
-    for name, shown in ((CHALLENGE, print_challenge), (DEVICES, print_devices), (ENGINES, print_engines)):
+    for name in filter(wanted, (CHALLENGE, DAMAGED)):
+        print_challenge(name, as_json=asked.json)
+    for name, shown in ((DEVICES, print_devices), (ENGINES, print_engines)):
         if wanted(name):
             shown(as_json=asked.json)
     return 0

@@ -280,6 +280,19 @@ def test_from_recordings_all_wear_counts_for_the_robot(inside, listening, tmp_pa
     assert "h, 2023-11-14 22:" in reached.stdout
 
 
+def test_a_csv_whose_columns_are_signals_is_a_recording(inside, listening, tmp_path):
+    """The same samples say the same; a table of readings is still one."""
+    cells = [line.split() for line in listening.read_text().splitlines() if line[0] != "#"]
+    rows = [cells[i : i + 4] for i in range(0, len(cells), 4)]
+    lines = [",".join([f"{row[0][0][:-9]}.0", *(value for _, value, _ in row)]) for row in rows]
+    heading = "time," + ",".join(name for _, _, name in rows[0])
+    (tmp_path / "run.csv").write_text("\n".join([heading, *lines]) + "\n")
+    words = ("--part", "bearing", "--baseline", 40, "--json")
+    as_csv, as_journal = (inside("wear", "robot.yaml", name, *words) for name in ("run.csv", listening))
+    assert as_csv.returncode == 0, as_csv.stderr
+    assert json.loads(as_csv.stdout) == json.loads(as_journal.stdout)
+
+
 def test_one_signal_that_says_too_little_does_not_hide_the_others(inside, listening):
     text = listening.read_text().splitlines(keepends=True)
     listening.write_text("".join(line for line in text if " /motor.current" not in line or line[:10] < "1700000030"))

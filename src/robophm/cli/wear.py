@@ -36,11 +36,8 @@ from robophm.learning.wear.indexed_mode import indexed_mode_of_tables
 from robophm.learning.wear.teachers import others_of_table
 from robophm.learning.wear.worn_mode import WearOptions, WornMode, one_mode, worn_mode_of_table
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.wear_from_recordings import seen_in, wear_history, worn_in, worn_modes
+from robophm.monitoring.wear_from_recordings import holds_readings, seen_in, wear_history, worn_in, worn_modes
 from robophm.monitoring.worn_life import WornLife, worn_lives
-
-TABLES = (".csv", ".tsv", ".yaml", ".yml")
-"""Suffixes of tables of readings; all else is recordings."""
 
 
 @dataclass(frozen=True)
@@ -68,8 +65,8 @@ def command(
     signals: Annotated[
         list[Path],
         typer.Argument(
-            help="recordings (.bag, .mcap, .db3, .journal, folders) with the signals that the design names at `wear`, "
-            "or a table: time [h] or when, value",
+            help="recordings (.bag, .mcap, .db3, .journal, .csv, folders) with the signals that the design names at "
+            "`wear`, or a table: time [h] or when, value",
             metavar="RECORDING…|SIGNAL.CSV",
         ),
     ],
@@ -141,7 +138,7 @@ def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> bool:
     """Foretell, look for a change, fuse with all other hazards, print; return whether anything is critical."""
     robot = load(path)
     fitted = ("part", "baseline", "false_alarms", "shift", "store", "backtest", "predictions", "seed")
-    if any(signal.suffix.lower() in TABLES for signal in signals):
+    if any(map(holds_readings, signals)):
         if wishes.index:
             refuse_unused(
                 "an index of health", ("part", "store", "backtest", "predictions", "seed", "fleet", "index", "settings")
@@ -209,7 +206,7 @@ def _backtest_json(one: WornMode, done: Mapping[str, Backtest]) -> dict[str, Any
 
 def _of_table(robot: Robot, signals: Sequence[Path], wishes: Wishes) -> WornMode:
     if len(signals) > 1:
-        (signal, *_) = [one for one in signals if one.suffix.lower() in TABLES]
+        (signal, *_) = filter(holds_readings, signals)
         raise DataError(f"{signal} is a table, of one signal; expected it alone, or recordings")
     (signal,) = signals
     if wishes.part is None:

@@ -16,12 +16,9 @@ from robophm.learning.wear.indexed_mode import indexed_mode_of_tables
 from robophm.learning.wear.teachers import others_of_table
 from robophm.learning.wear.worn_mode import WearOptions, WornMode, one_mode, worn_mode_of_table
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.wear_from_recordings import seen_in, wear_history, worn_in, worn_modes
+from robophm.monitoring.wear_from_recordings import holds_readings, seen_in, wear_history, worn_in, worn_modes
 from robophm.monitoring.worn_life import WornLife, worn_lives
 from robophm.stores import Address
-
-TABLES = (".csv", ".tsv", ".yaml", ".yml")
-"""Suffixes of tables of readings; all else is recordings."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +63,7 @@ def wear(
     instance(part, str | None, "part", "the path of a part, or None", DataError)
     others = None if fleet is None else path(fleet, "fleet", DataError)
     paths = paths_of(signals, "signals")
-    if tables := [one for one in paths if one.suffix.lower() in TABLES]:
+    if tables := [*filter(holds_readings, paths)]:
         if len(paths) > 1 or part is None:
             raise DataError(f"{tables[0]}: a table is of one part; expected it alone, and the part's path")
         if index:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import csv
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
 
-from robophm.core.errors import DataError, DesignError, nearest
+from robophm.core.errors import DataError, DesignError, SourceError, nearest
 from robophm.core.signal import SECOND
 from robophm.design.robot import FailureMode, Robot
 from robophm.health.wear_readings import NO_READINGS, WearReadings
@@ -18,6 +21,10 @@ from robophm.monitoring.block_monitor import BlockMonitor
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.recording_sessions import Recorded, living, sessions_of
 from robophm.monitoring.seen_wear import as_read, seen_of, worn_of
+from robophm.transports.recordings.table_heading import heading_of
+
+TABLES = (".csv", ".tsv", ".yaml", ".yml")
+"""Suffixes of tables of readings."""
 
 STEP = 600 * SECOND
 """Nanoseconds of the robot's time that are gone through at once."""
@@ -33,6 +40,19 @@ class WearHistory:
     """The robot's monitor at the end of the recordings, which it has lived through."""
     notes: Counter[str]
     """Remarks on what had to be decided, and how often."""
+
+
+def holds_readings(path: Path) -> bool:
+    """Whether a file is a table of readings of one part, and no recording, as a CSV is whose columns are signals."""
+    if path.suffix.lower() not in TABLES:
+        return False
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as text:
+            header, first = [*islice(csv.reader(text), 2), [""], [""]][:2]
+        heading_of(path, header, first)
+    except (OSError, ValueError, csv.Error, SourceError):  # whoever reads it says why
+        return True
+    return False
 
 
 def worn_modes(robot: Robot, part: str | None = None) -> list[FailureMode]:

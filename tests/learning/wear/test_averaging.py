@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from robophm.core.errors import DataError
-from robophm.learning.wear.averaging import first_passage, forecast, recoveries
+from robophm.learning.wear.averaging import first_passage, forecast
 
 CRACK = np.array([0.90, 0.94, 0.98, 1.03, 1.07, 1.12, 1.19, 1.24, 1.34, 1.43, 1.55, 1.71])
 """A specimen of Alloy-A (Meeker and Escobar 1998, table C.14) [inch], a reading each 0.01 million cycles."""
@@ -127,18 +127,6 @@ def test_an_uncertain_threshold_widens_what_is_said():
     assert not known_by_nobody.worn_out
 
 
-def test_maintenance_begins_wear_anew_and_rests_do_not():
-    rng = np.random.default_rng(3)
-    wear = np.r_[np.arange(40), np.arange(30)] * 0.1 + 0.01 * rng.standard_normal(70)
-    when, renewed = recoveries(np.arange(70.0), wear, 8.0)
-    assert (when.tolist(), renewed) == ([40.0], 40.0)
-    assert forecast(np.arange(70), 1 + wear, 9.0).remaining.median == pytest.approx(51, rel=0.15)
-    rested = np.arange(60) * 0.1 - 0.8 * (np.arange(60) >= 30) + 0.01 * rng.standard_normal(60)
-    when, renewed = recoveries(np.arange(60.0), rested, 8.0)
-    assert (when.tolist(), renewed) == ([30.0], -np.inf)
-    assert forecast(np.arange(60), 1 + rested, 9.0).events == (30.0,)
-
-
 def test_a_knee_that_no_model_foretold_is_said():
     rng = np.random.default_rng(5)
     flat = 1 + 0.01 * np.arange(80) + 0.002 * rng.standard_normal(80)
@@ -186,13 +174,6 @@ def test_before_a_trend_shows_nothing_is_foretold_but_what_its_age_says():
     assert np.isinf(found.remaining.median)
     damaged = quiet + 0.01 * np.maximum(np.arange(200) - 160.0, 0)
     assert forecast(np.arange(1.0, 201.0), damaged, 1.2).shows
-
-
-def test_a_burst_of_bad_readings_is_no_maintenance():
-    rng = np.random.default_rng(2)
-    wear = 0.01 * np.arange(60) + 0.005 * rng.standard_normal(60)
-    wear[30:32] += 1.5
-    assert recoveries(np.arange(60.0), wear, 2.0)[1] == -np.inf
 
 
 def test_the_cumulative_hazard_is_of_what_is_drawn():

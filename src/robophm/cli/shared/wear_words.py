@@ -93,7 +93,8 @@ def _threshold_text(found: WornMode) -> str:
 def _life_text(found: WornMode, threshold: str) -> str:
     wear, unit = found.wear, found.unit
     if not wear.said:
-        none = f"No trend shows yet that leads to {threshold}"
+        trend = "A trend shows, but not surely one" if wear.shows else "No trend shows yet"
+        none = f"{trend} that leads to {threshold}"
         return f"{none}: when it is reached cannot be said; its hazard rate stands"
     low, median, high = (number_text(one, 3) for one in wear.remaining)
     goal = "fails" if found.index else f"reaches {threshold}"

@@ -1,12 +1,13 @@
 """Forecasts of wear from the unit's own past and from others of its kind, worn out or still running.
 
-Four ways of foretelling are weighed by how well each foretells the others, one by one, from where the unit is now:
+Five ways of foretelling are weighed by how well each foretells the others, one by one, from where the unit is now:
 
 - its own past, by all degradation models (``averaging.py``), with the lives of the others as a prior;
 - the lives of the others, whatever the signal says;
 - how long others went on from the level where it is now, by how fast each had come there: from new, and through the
   last part of the way. That is similarity to their courses, with as much of it kept as the others themselves show;
-- the courses of those most like it, at a pace and a size of its own (``shape_invariant.py``).
+- the courses of those most like it, at a pace and a size of its own (``shape_invariant.py``);
+- of what breaks late, how long others went on since their damage showed (``since_onset.py``).
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ from robophm.core.errors import DataError
 from robophm.learning.wear.averaging import DRAWS, Forecast, checked, first_passage, forecast
 from robophm.learning.wear.log_regression import LIFE_SCATTER, Array, LogStudent, lasting
 from robophm.learning.wear.shape_invariant import DegradationCurve, along
+from robophm.learning.wear.since_onset import onset
 from robophm.learning.wear.stated_life import StatedLife
+from robophm.learning.wear.sudden_falls import before
 
 PARTS = (0.0, 0.5, 0.8)
 """Shares of the present level from which the way to it is looked at."""
@@ -36,7 +39,7 @@ STEADY = 0.02
 SPIKE = 6.0
 """Usual steps by which one reading alone may be off before it is left out."""
 
-BEFOREHAND = {"its own past": 1.0, "others' lives": 0.15, "from": 1.0, "along": 1.0}
+BEFOREHAND = {"its own past": 1.0, "others' lives": 0.15, "from": 1.0, "along": 1.0, "since": 1.0}
 """Weights of the ways before anybody was asked: alike, but a trend that shows says more than age alone."""
 
 STEPS = 200
@@ -69,6 +72,8 @@ class _Trajectory:
     level: Array
     duration: float
     ended: bool
+    onset: float | None = None
+    """When its damage began to show, since its first reading; None where it showed early, or it is not looked for."""
 
     def reached(self, level: float) -> float | None:
         """Time since its first reading; None where it never came so far."""
@@ -99,8 +104,9 @@ def forecast_among(
 
     ``stated``: the life that is stated of the kind, which counts where no other has ended.
 
-    ``weights`` of what is returned has "others' lives", "others from here" and "along others' courses" beside the
-    unit's own models. Raises DataError as ``forecast`` does, and for others without two readings.
+    ``weights`` of what is returned has "others' lives", "others from here", "along others' courses" and "others since
+    damage showed" beside the unit's own models. Raises DataError as ``forecast`` does, and for others without two
+    readings.
     """
 
     def alone_if(law_ends: bool) -> Forecast:
@@ -130,9 +136,12 @@ def forecast_among(
     width = _width([*levels, mine])
     courses = [_course(one[0], wear, width, one[3]) for one, wear in zip(turned, levels, strict=True)]
     now = _Trajectory(t, mine, _level(mine, width), float(t[-1] - t[0]), False)
-    ways = _ways(now, courses, _Own(alone.passage), draws)
-    if "others' lives" not in ways:
+    if not any(one.ended for one in courses):
         return by_stated_life()
+    if alone.shows and (now := _looked_at(now)).onset is not None:
+        courses.sort(key=lambda one: not one.ended)
+        courses[:ASKED] = map(_looked_at, courses[:ASKED])
+    ways = _ways(now, courses, _Own(alone.passage), draws)
     if not alone.shows:  # before damage shows its level tells nothing
         ways = {"others' lives": ways["others' lives"]}
     weights = _weights(now, courses, ways)
@@ -143,6 +152,7 @@ def forecast_among(
     said = {name: its_own * share for name, share in alone.weights.items()}
     said["others' lives"] = weights["others' lives"]
     said["along others' courses"] = weights.get("along", 0.0)
+    said["others since damage showed"] = weights.get("since", 0.0)
     said["others from here"] = sum(share for name, share in weights.items() if name.startswith("from"))
     return replace(alone, passage=passage, weights=said, surprise=max(alone.surprise, 1 - its_own))
 
@@ -214,7 +224,7 @@ def _course(times: Array, wear: Array, width: int, failed: float | None) -> _Tra
 
 def _level(wear: Array, width: int) -> Array:
     """The highest mean of the last readings so far; a reading far off by itself is left out."""
-    kept = np.where(_spikes(wear), _before(wear, 4), wear) if len(wear) > 8 else wear
+    kept = np.where(_spikes(wear), before(wear, 4), wear) if len(wear) > 8 else wear
     sums = np.concatenate([[0.0], np.cumsum(kept)])
     after = np.arange(1, len(wear) + 1)
     first = np.maximum(after - width, 0)
@@ -228,19 +238,10 @@ def _level(wear: Array, width: int) -> Array:
 def _spikes(wear: Array) -> npt.NDArray[np.bool_]:
     """Whether each reading is far off the four before it and the one before: noise of no usual kind."""
     steps = np.abs(np.diff(wear, prepend=wear[0]))
-    usual = SPIKE * _before(steps, 50) + 1e-12
-    found: npt.NDArray[np.bool_] = (np.abs(wear - _before(wear, 4)) > usual) & (steps > usual)
+    usual = SPIKE * before(steps, 50) + 1e-12
+    found: npt.NDArray[np.bool_] = (np.abs(wear - before(wear, 4)) > usual) & (steps > usual)
     found[:3] = False
     return found
-
-
-def _before(values: Array, count: int) -> Array:
-    """The median of so many values before each, of fewer at the start; shape of ``values``."""
-    padded = np.concatenate([np.full(count, np.nan), values[:-1]])
-    windows = np.lib.stride_tricks.sliding_window_view(padded, count).copy()
-    windows[0, -1] = values[0]
-    result: Array = np.nanmedian(windows, axis=1)
-    return result
 
 
 def _width(levels: Sequence[Array]) -> int:
@@ -266,11 +267,33 @@ def _ways(now: _Trajectory, others: Sequence[_Trajectory], own: _Own | None, dra
             ways[name] = from_here
     if draws and (courses := _nearest(now, others)):
         ways["along"] = _Own(along(courses, now.times - now.times[0], now.wear, draws))
+    if since := _since_damage_showed(now, others, passed):
+        ways["since"] = since
     if own:
         shares = _beforehand(ways)
         priors = {way: shares[name] for name, way in ways.items()}
         ways["its own past"] = _Own(np.append(own.ends, np.full(_infinite(own), np.inf)), priors)
     return ways
+
+
+def _since_damage_showed(now: _Trajectory, others: Sequence[_Trajectory], passed: float) -> LogStudent | None:
+    """How long they went on since then; None where it does not show yet, or showed all their lives."""
+    if now.onset is None or passed < now.onset:
+        return None
+    went_on = [(one.duration - one.onset, one.ended) for one in others if one.onset is not None]
+    if not went_on:
+        return None
+    durations, ended = (np.array(column) for column in zip(*went_on, strict=True))
+    none = np.zeros((len(durations), 0))
+    return lasting(durations, ended, none, none[0], passed - now.onset, LIFE_SCATTER)
+
+
+def _looked_at(one: _Trajectory) -> _Trajectory:
+    """Return it with when its damage began to show, by what was known before it ended."""
+    passed = one.times - one.times[0]
+    known = passed < one.duration if one.ended else passed <= one.duration
+    began = onset(one.times[known], one.wear[known])
+    return replace(one, onset=None if began is None else began - float(one.times[0]))
 
 
 def _nearest(now: _Trajectory, others: Sequence[_Trajectory]) -> list[DegradationCurve]:
@@ -327,6 +350,8 @@ def _weights(now: _Trajectory, others: Sequence[_Trajectory], ways: dict[str, _W
     asked = 0
     for one in [other for other in others if other.ended] if len(others) > 1 else ():
         came = one.reached(float(now.level[-1]))
+        if came is not None and now.onset is not None:  # it came so far while it was sound
+            came = max(came, one.onset or 0.0)
         if came is None or came >= one.duration:
             continue
         then = one.until(came)

@@ -28,6 +28,7 @@ from robophm.learning.wear.models.candidates import (
     course_of,
     origin_of_surprise,
 )
+from robophm.learning.wear.sudden_falls import recoveries
 from robophm.learning.wear.trend_bend import Bend, bend_of_wiener
 
 DRAWS = 4000
@@ -38,19 +39,15 @@ UNFOLLOWED = 0.01
 """Probability of the last reading as foretold, below which no model is said to follow the wear. Of simulated wear that
 keeps its law 0 to 5 % fall below it (``tests/learning/wear/test_averaging.py``)."""
 
-EVENT, RENEWED, MATTERS = 5.0, 0.5, 0.2
-"""The smallest sudden falls of wear that count. A rest: deviations of a step; after maintenance also shares of all wear
-so far, and of that from the first reading to the threshold."""
-
 AWAY = 0.1
 """Share of draws that never reach the threshold, above which no trend shows: where a tenth and more lead elsewhere, the
 rest of them is no life that could be said either."""
 
+CONTRADICTED = 0.01
+"""Share of draws that are still short of the threshold at the last reading, as it is, below which none is believed."""
+
 WIDEST = 1e60
 """The largest magnitude of a reading; its powers are still numbers of double precision."""
-
-BESIDE = 5
-"""Readings before and after a fall whose medians say whether it lasted."""
 
 
 class Interval(NamedTuple):
@@ -225,7 +222,12 @@ def _to_come(
     shows = bool(np.mean(np.isinf(passage)) <= AWAY)
     if shows and law_ends:
         passage = given_slowing_ends(passage, accelerates, course, rng)
-    passage = np.maximum(passage * course.reference - since, 0.0) if shows else of_age(float(t[-1]), draws)
+    passage = passage * course.reference - since
+    shows = shows and bool(np.mean(left := passage > 0) > CONTRADICTED) if since > 0 else shows
+    if shows and since > 0:  # what would have been there before the last reading is not what came
+        chosen = np.flatnonzero(left)[np.arange(draws) * int(left.sum()) // draws]
+        passage, drift = passage[chosen], drift[chosen]
+    passage = passage if shows else of_age(float(t[-1]), draws)
     return Forecast(
         threshold, passage, drift * span / course.reference,
         float(np.median(noise)) * span, bend_of_wiener(t, y) if judged and len(t) > FEWEST else Bend(1.0, False),
@@ -352,26 +354,6 @@ def averaged(found: list[Candidates]) -> list[Array]:
     shares = [np.exp(one - top) for one in logs]
     total = sum(float(one.sum()) for one in shares)
     return [one / total for one in shares]
-
-
-def recoveries(times: Array, wear: Array, threshold: float) -> tuple[Array, float]:
-    """Return times of sudden falls, by more than ``EVENT`` deviations of a step, and the time since when it is renewed.
-
-    After maintenance, which takes off ``RENEWED`` of all wear and ``MATTERS`` of the way to the threshold or more, what
-    was before says nothing of what comes; a battery that rested goes on as before, and its recoveries are part of its
-    trend.
-    """
-    steps = np.diff(wear)
-    usual = 1.4826 * float(np.median(np.abs(steps - np.median(steps)))) + 1e-12 * float(np.ptp(wear))
-    fell = np.flatnonzero(-steps > EVENT * usual)
-    matters = MATTERS * (threshold - wear[0])
-    large = [k for k in fell.tolist() if -steps[k] > max(RENEWED * (wear[: k + 1].max() - wear[0]), matters)]
-    # It was up and stays down: otherwise it was bad readings.
-    large = [
-        k for k in large
-        if np.median(wear[max(k + 1 - BESIDE, 0) : k + 1]) - np.median(wear[k + 1 : k + 1 + BESIDE]) > -steps[k] / 2
-    ]  # fmt: skip
-    return times[fell + 1], float(times[large[-1] + 1]) if large else -math.inf
 
 
 def _ended(t: Array, y: Array, threshold: float, draws: int) -> Forecast:
