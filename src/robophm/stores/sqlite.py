@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import logging
 import math
 import os
+import shutil
 import sqlite3
 import threading
 import time
@@ -17,8 +19,9 @@ from typing import Any, ClassVar
 from robophm.core.errors import StoreError
 from robophm.core.single_writer import only_one
 from robophm.stores._checked_rows import DamagedError
-from robophm.stores._good_state import KEEP_EVERY, good_file, keep_good, make_anew
+from robophm.stores._good_state import KEEP_EVERY, faults, good_file, good_state_is_damaged, keep_good, make_anew
 from robophm.stores._tables import LEDGER, PROGRESS, TABLES, VERSION
+from robophm.stores._write_ahead_log import left_behind
 from robophm.stores.alarm_log import AlarmLog
 from robophm.stores.events import Event
 from robophm.stores.kept_history import HistoryOf, KeptHistory
@@ -26,6 +29,8 @@ from robophm.stores.migration import UNTHINNED, known_version, migrate
 from robophm.stores.service_requests import ServiceRequests, keep_answers
 from robophm.stores.sqlite_alarms import SqliteAlarms
 from robophm.stores.store import HeldError, History, NoRoomError, Progress, Restored, Store, TakesRequests
+
+_log = logging.getLogger(__name__)
 
 LONGEST_WAIT = 10.0
 """The most seconds to wait for others who write to the same store, or make it."""
@@ -58,6 +63,7 @@ class SqliteStore(Store, TakesRequests):
             raise
 
     def _open(self) -> None:
+        self._look_into_log()
         until = time.monotonic() + LONGEST_WAIT
         while True:
             try:
@@ -68,6 +74,27 @@ class SqliteStore(Store, TakesRequests):
                     raise
                 time.sleep(0.01)
         self._base.execute("PRAGMA synchronous = FULL")
+
+    def _look_into_log(self) -> None:
+        """Say what of the log is not taken, which SQLite passes over, and keep that log beside the file."""
+        log = Path(f"{self.path}-wal")
+        if not (self._with_others and log.exists() and log.stat().st_size and os.access(self.path, os.W_OK)):
+            return
+        self._base.execute("PRAGMA user_version").fetchone()  # whoever reads first looks through the log
+        self._base.execute("BEGIN IMMEDIATE")
+        try:
+            left = left_behind(self.path)
+            if left.saves:
+                shutil.copyfile(log, f"{log}.damaged")
+        finally:
+            self._base.execute("ROLLBACK")
+        if left.pages:
+            self._base.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            kept = f", and kept in {log.name}.damaged" if left.saves else ""
+            _log.warning(
+                "%s: %d pages of its log are left out%s: they are damaged, or a save was not finished; the state "
+                "before them is gone on with", self.path, left.pages, kept,
+            )  # fmt: skip
 
     def _make(self) -> None:
         """Make the tables, or bring those of an earlier version to this one, unless somebody else has done so."""
@@ -190,6 +217,23 @@ class SqliteStore(Store, TakesRequests):
             raise StoreError(f"{path}: exists; expected no such file, to keep a copy of {self.path} in")
         with self._errors(), closing(sqlite3.connect(path)) as copy:
             self._base.backup(copy)
+
+    def faults(self) -> list[str]:
+        """Return what is not what was written: of each table and robot the first; and of the good state beside it."""
+        with self._reading():
+            found = [*faults(self._base)]
+        if self._with_others and good_state_is_damaged(self.path):
+            found.append(f"{good_file(self.path).name} is damaged; it is made anew when the store is saved next")
+        return found
+
+    def compact(self) -> None:
+        """Give back space that became free. Raises StoreError, also where somebody goes on with a past."""
+        with ExitStack() as stack:
+            for robot in self.robots():
+                stack.enter_context(self.alone(robot))
+            with self._errors(), self._turn:
+                self._base.execute("VACUUM")
+                self._base.execute("PRAGMA wal_checkpoint(TRUNCATE)")
 
     @contextmanager
     def _saving(self, robot: str, ledger: Mapping[str, Any]) -> Iterator[None]:

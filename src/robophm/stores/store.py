@@ -156,6 +156,14 @@ class Store(ABC):
         """Copy all of it into a new file. Raises StoreError where that is there, or cannot be written."""
         raise StoreError("this kind of store cannot be copied; expected one in SQLite")
 
+    def faults(self) -> list[str]:
+        """Return what is not what was written, each as a sentence without its point. Raises StoreError."""
+        raise StoreError("this kind of store cannot be checked; expected one in SQLite")
+
+    def compact(self) -> None:
+        """Give back space that became free. Raises StoreError, also where somebody goes on with a past."""
+        raise StoreError("this kind of store cannot be made smaller; expected one in SQLite")
+
     def close(self) -> None:  # noqa: B027  a store in memory holds nothing open
         """Close what is open; closing twice does no harm."""
 
