@@ -53,7 +53,7 @@ def test_a_copy_is_of_one_moment_while_it_is_written(inside, tmp_path, kept):
     with SqliteStore(tmp_path / "copy.db") as copy:
         assert copy.ledger("R") == LEDGER
         assert list(copy.history("R").reports()) == list(kept.history("R").reports())
-        assert copy.faults() == []
+        assert copy.upkeep().faults() == []
     done = inside("store", "copy", "--store", "past.db", "--to", "copy.db")
     assert done.returncode == 3
     assert "copy.db" in done.stderr
@@ -73,4 +73,4 @@ def test_space_is_given_back_where_nobody_goes_on_with_it(inside, tmp_path, kept
     assert told["after"] < size
     with SqliteStore(tmp_path / "past.db") as store:
         assert list(store.history("R").reports()) == before
-        assert store.faults() == []
+        assert store.upkeep().faults() == []

@@ -138,7 +138,7 @@ def repair(
 def check(path: StoreOfRobot, as_json: Json = False) -> None:
     """Read all of a store, also while it is written, and say whether it is what was written."""
     with existing_store(path) as store:
-        found = store.faults()
+        found = store.upkeep().faults()
         robots = [] if found else store.robots()
     if as_json:
         print_json({"store": path, "robots": robots, "faults": found})
@@ -159,7 +159,7 @@ def copy(
     """Copy a store into a new file, as it is at one moment, also while it is written."""
     may_write(to)
     with existing_store(path) as store:
-        store.copy_to(to)
+        store.upkeep().copy_to(to)
     size = to.stat().st_size
     if as_json:
         print_json({"store": path, "copy": str(to), "bytes": size})
@@ -173,7 +173,7 @@ def compact(path: StoreOfRobot, as_json: Json = False) -> None:
     file = Path(place_of(path))
     with existing_store(path) as store:
         before = file.stat().st_size
-        store.compact()
+        store.upkeep().compact()
         after = file.stat().st_size
     if as_json:
         print_json({"store": path, "bytes": {"before": before, "after": after}})

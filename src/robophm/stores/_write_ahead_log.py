@@ -1,4 +1,4 @@
-"""What SQLite's log holds beyond what it takes from there: saves that were not finished, or that are damaged.
+"""The log of SQLite, and what it holds of saves that were not finished, or that are damaged.
 
 SQLite reads its log (the file ``-wal``) up to the first page whose checksum is wrong, and takes what is behind it for
 the rest of a save that a crash cut off. That may be so; but a flipped bit ends the log there too, and takes away saves
@@ -21,7 +21,7 @@ _TAKEN = 16
 
 
 class LeftBehind(NamedTuple):
-    """What of a log is not taken."""
+    """Pages and saves of a log that are not taken."""
 
     pages: int
     saves: int

@@ -12,14 +12,15 @@ import threading
 import time
 import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing, contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any, ClassVar
 
 from robophm.core.errors import StoreError
 from robophm.core.single_writer import only_one
 from robophm.stores._checked_rows import DamagedError
-from robophm.stores._good_state import KEEP_EVERY, faults, good_file, good_state_is_damaged, keep_good, make_anew
+from robophm.stores._good_state import KEEP_EVERY, good_file, keep_good, make_anew
+from robophm.stores._sqlite_upkeep import SqliteUpkeep
 from robophm.stores._tables import LEDGER, PROGRESS, TABLES, VERSION
 from robophm.stores._write_ahead_log import left_behind
 from robophm.stores.alarm_log import AlarmLog
@@ -29,6 +30,7 @@ from robophm.stores.migration import UNTHINNED, known_version, migrate
 from robophm.stores.service_requests import ServiceRequests, keep_answers
 from robophm.stores.sqlite_alarms import SqliteAlarms
 from robophm.stores.store import HeldError, History, NoRoomError, Progress, Restored, Store, TakesRequests
+from robophm.stores.upkeep import Upkeep
 
 _log = logging.getLogger(__name__)
 
@@ -211,29 +213,9 @@ class SqliteStore(Store, TakesRequests):
         """Return the requests to note services of a robot, in a table beside the others."""
         return ServiceRequests(self._base, robot, self._reading, self._transaction)
 
-    def copy_to(self, path: Path) -> None:
-        """Copy all of it into a new file. Raises StoreError where that is there, or cannot be written."""
-        if path.exists():
-            raise StoreError(f"{path}: exists; expected no such file, to keep a copy of {self.path} in")
-        with self._errors(), closing(sqlite3.connect(path)) as copy:
-            self._base.backup(copy)
-
-    def faults(self) -> list[str]:
-        """Return what is not what was written: of each table and robot the first; and of the good state beside it."""
-        with self._reading():
-            found = [*faults(self._base)]
-        if self._with_others and good_state_is_damaged(self.path):
-            found.append(f"{good_file(self.path).name} is damaged; it is made anew when the store is saved next")
-        return found
-
-    def compact(self) -> None:
-        """Give back space that became free. Raises StoreError, also where somebody goes on with a past."""
-        with ExitStack() as stack:
-            for robot in self.robots():
-                stack.enter_context(self.alone(robot))
-            with self._errors(), self._turn:
-                self._base.execute("VACUUM")
-                self._base.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+    def upkeep(self) -> Upkeep:
+        """Return what is done to all of the file."""
+        return SqliteUpkeep(self._base, self.path, self, self._reading, self._errors)
 
     @contextmanager
     def _saving(self, robot: str, ledger: Mapping[str, Any]) -> Iterator[None]:
