@@ -6,7 +6,7 @@ CHECKED := src tests benchmarks tools
 # The tests start hundreds of commands: each would be compiled anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help setup demo demo-ros lint check peers test test-full test-fresh calibrate prognostics new-user fuzz integrity bench clean
+.PHONY: help setup demo demo-ros lint check peers test test-full test-fresh calibrate prognostics new-user fuzz integrity soak bench clean
 .DEFAULT_GOAL := help
 
 help:
@@ -19,6 +19,7 @@ help:
 	@echo "make calibrate  predictions against 20,000 robots that fail and 1,000 that wear (docs/calibration.md)"
 	@echo "make fuzz       1,200,000 damaged recordings, an hour or more (docs/guides/columns.md)"
 	@echo "make integrity  1,000 kills and 1,000 cuts of power, an hour or less (docs/guides/unattended.md)"
+	@echo "make soak       24 hours of a robot at sixty times their pace, over ROS 1 and over DDS, 50 minutes"
 	@echo "make prognostics  when real wear ends, beside SurPyval, two minutes (docs/theory/wear.md)"
 	@echo "make new-user  from a wheel to the first report of five robots, two minutes (docs/guides/your-robot.md)"
 	@echo "make bench      speed, as ratios against named peers (docs/benchmarks.md)"
@@ -65,6 +66,9 @@ fuzz: setup
 
 integrity: setup peers
 	@$(BIN)/python -m tests.integrity
+
+soak: setup peers
+	@$(BIN)/python -m tests.integrity.soak $(if $(HOURS),--hours $(HOURS))
 
 calibrate: setup
 	@$(BIN)/python -m benchmarks.honesty; chance=$$?; $(BIN)/python -m benchmarks.worn_honesty && exit $$chance

@@ -124,6 +124,62 @@ def test_a_name_that_is_damaged_is_found_where_it_is_asked_for(sound: Path, tmp_
         store.progress("R", "drive")
 
 
+@pytest.fixture(scope="module")
+def crashed(sound: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the store after more saves, none of which was moved out of the log before it was killed."""
+    path = tmp_path_factory.mktemp("crashed") / "past.db"
+    shutil.copy(sound, path)
+    with SqliteStore(path) as store:
+        for round_ in range(3, 6):
+            store.save("R", {"round": round_}, [Progress("drive", round_)], [report(1000 + round_, random.Random(1))])
+        folder = path.with_name("copy")
+        folder.mkdir()
+        for end in ("", "-wal"):
+            shutil.copy(f"{path}{end}", folder / f"past.db{end}")
+    return folder
+
+
+def judge_log(crashed: Path, folder: Path, seeds: range, caplog: pytest.LogCaptureFixture) -> dict[str, int]:
+    """How many flips in the log changed nothing, and how many were said; none may be silent, and all open."""
+    whole, path = (crashed / "past.db-wal").read_bytes(), folder / "past.db"
+    counts = {"nothing": 0, "said": 0}
+    good: dict[str, Any] | None = None
+    for seed in (-1, *seeds):
+        raw = bytearray(whole)
+        if seed >= 0:
+            place = random.Random(seed).randrange(8 * len(raw))
+            raw[place // 8] ^= 1 << place % 8
+        for old in folder.iterdir():
+            old.unlink()
+        shutil.copy(crashed / "past.db", path)
+        Path(f"{path}-wal").write_bytes(raw)
+        caplog.clear()
+        read = content(path)
+        good = good or read
+        said = [one for one in caplog.messages if "pages of its log are left out" in one]
+        assert (seed < 0) <= (not said)
+        if seed >= 0:
+            assert said or json.dumps(read) == json.dumps(good), f"seed {seed} changed what is read, and nobody said so"
+            counts["said" if said else "nothing"] += 1
+            assert restore_store(path) is None, "what is read is sound"
+            caplog.clear()
+            content(path)
+            assert not caplog.messages, "it is said once"
+    return counts
+
+
+def test_flipped_bits_in_the_log_of_a_store_that_was_killed_are_said(
+    crashed: Path, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    counts = judge_log(crashed, tmp_path, range(40), caplog)
+    assert counts["said"] > 20
+
+
+@pytest.mark.full
+def test_a_thousand_flipped_bits_in_the_log(crashed: Path, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    print(judge_log(crashed, tmp_path, range(100, 1100), caplog))
+
+
 @pytest.mark.full
 def test_six_thousand_flipped_bits(sound: Path, tmp_path: Path) -> None:
     counts = judge(sound, tmp_path, range(1000, 7000))

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from robophm.cli import INVALID
 from robophm.cli.shared.options import Design, Json, StoreOfRobot
 from robophm.cli.shared.output import console, may_write, print_json, print_table, table
 from robophm.cli.shared.stored_past import files_of
-from robophm.core.errors import RobophmError, nearest
+from robophm.core.errors import RobophmError, StoreError, nearest
 from robophm.core.signal import HOUR
 from robophm.design import identity_edits
 from robophm.design.file import DesignFile, load, rewrite
@@ -19,7 +21,7 @@ from robophm.health.ledger_parts import Fate
 from robophm.health.suspect_time import Verdict, said
 from robophm.monitoring.stored_past import fates_in, identity_in, repair_past, settle_past, suspect_time_in
 from robophm.report.words import moment_text, number_text
-from robophm.stores import restore_store
+from robophm.stores import existing_store, place_of, restore_store
 
 command = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None)
 
@@ -130,6 +132,53 @@ def repair(
         out.print(f"{path}: {said(stretch)}: expected --take-in or --strike-out", markup=False, soft_wrap=True)
     else:
         out.print(f"{path}: no clock jumped by years in the past of {robot.name}; nothing is changed", markup=False)
+
+
+@command.command()
+def check(path: StoreOfRobot, as_json: Json = False) -> None:
+    """Read all of a store, also while it is written, and say whether it is what was written."""
+    with existing_store(path) as store:
+        found = store.upkeep().faults()
+        robots = [] if found else store.robots()
+    if as_json:
+        print_json({"store": path, "robots": robots, "faults": found})
+    elif not found:
+        console().print(f"{path}: all of it is what was written; robots: {', '.join(robots) or 'none'}", markup=False)
+    if found and not as_json:
+        raise StoreError(f"{path}: {'; '.join(found)}; robophm store repair goes back to the last good state")
+    if found:
+        raise typer.Exit(INVALID)
+
+
+@command.command()
+def copy(
+    path: StoreOfRobot,
+    to: Annotated[Path, typer.Option("--to", help="a new file")],
+    as_json: Json = False,
+) -> None:
+    """Copy a store into a new file, as it is at one moment, also while it is written."""
+    may_write(to)
+    with existing_store(path) as store:
+        store.upkeep().copy_to(to)
+    size = to.stat().st_size
+    if as_json:
+        print_json({"store": path, "copy": str(to), "bytes": size})
+    else:
+        console().print(f"{path}: copied to {to}, {size / 1e6:,.1f} MB", markup=False)
+
+
+@command.command()
+def compact(path: StoreOfRobot, as_json: Json = False) -> None:
+    """Give back the space that became free as old reports were thinned; nobody may be watching meanwhile."""
+    file = Path(place_of(path))
+    with existing_store(path) as store:
+        before = file.stat().st_size
+        store.upkeep().compact()
+        after = file.stat().st_size
+    if as_json:
+        print_json({"store": path, "bytes": {"before": before, "after": after}})
+    else:
+        console().print(f"{path}: {before / 1e6:,.1f} MB, now {after / 1e6:,.1f} MB", markup=False)
 
 
 def _settle(robot: Robot, path: str, verdict: Verdict, *, as_json: bool) -> None:

@@ -125,5 +125,5 @@ def suspect_time_in(address: Address, robot: Robot) -> SuspectTime | None:
 
 def _copied(store: Store, address: Address) -> Path:
     copy = Path(f"{place_of(address)}.before-repair")
-    store.copy_to(copy)
+    store.upkeep().copy_to(copy)
     return copy

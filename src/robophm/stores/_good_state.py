@@ -6,7 +6,7 @@ import json
 import sqlite3
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing, suppress
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -43,7 +43,7 @@ def make_anew(path: Path) -> Restored | None:
     The damaged one is kept. Raises StoreError where there is nothing to make it of, or it cannot be written.
     """
     with closing(sqlite3.connect(path, isolation_level=None)) as base:
-        if _is_sound(base):
+        if next(faults(base), None) is None:
             return None
         good = _read_good(path)
         robots = {*good, *_robots(base)}
@@ -88,20 +88,40 @@ def _write(path: Path, found: Mapping[str, Rows], damaged: sqlite3.Connection) -
         base.execute("COMMIT")
 
 
-def _is_sound(base: sqlite3.Connection) -> bool:
-    try:
-        if base.execute("PRAGMA integrity_check(1)").fetchone() != ("ok",):
-            return False
-        for table in TABLES:
-            for robot in table.robots(base):
+def faults(base: sqlite3.Connection) -> Iterator[str]:
+    """Yield, as a sentence without its point, what is not what was written: of each table and robot the first."""
+    with _said() as found:
+        (said,) = base.execute("PRAGMA integrity_check(1)").fetchone()
+        found += [said.replace("\n", " ")] if said != "ok" else []
+    yield from found
+    for table in TABLES:
+        robots: list[str] = []
+        with _said() as found:
+            robots = table.robots(base)
+        for robot in robots:
+            with _said() as more:
                 table.check(base, robot)
                 for _ in table.rows(base, robot):
                     pass
-        for robot in LEDGER.robots(base):
-            Pyramid(base).check(robot)
-        return True
-    except (sqlite3.Error, StoreError, ValueError):
-        return False
+                if table is LEDGER:
+                    Pyramid(base).check(robot)
+            found += more
+        yield from found
+
+
+@contextmanager
+def _said() -> Iterator[list[str]]:
+    """A list, to which the error that ends the context is added."""
+    found: list[str] = []
+    try:
+        yield found
+    except (sqlite3.Error, StoreError, ValueError) as error:
+        found.append(str(error))
+
+
+def good_state_is_damaged(path: Path) -> bool:
+    """Whether there is a good state beside a store that is not what was written."""
+    return good_file(path).exists() and not _read_good(path)
 
 
 def _sound(base: sqlite3.Connection, robot: str) -> Rows:

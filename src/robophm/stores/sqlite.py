@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+import logging
 import math
 import os
+import shutil
 import sqlite3
 import threading
 import time
 import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing, contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -18,7 +20,9 @@ from robophm.core.errors import StoreError
 from robophm.core.single_writer import only_one
 from robophm.stores._checked_rows import DamagedError
 from robophm.stores._good_state import KEEP_EVERY, good_file, keep_good, make_anew
+from robophm.stores._sqlite_upkeep import SqliteUpkeep
 from robophm.stores._tables import LEDGER, PROGRESS, TABLES, VERSION
+from robophm.stores._write_ahead_log import left_behind
 from robophm.stores.alarm_log import AlarmLog
 from robophm.stores.events import Event
 from robophm.stores.kept_history import HistoryOf, KeptHistory
@@ -26,6 +30,9 @@ from robophm.stores.migration import UNTHINNED, known_version, migrate
 from robophm.stores.service_requests import ServiceRequests, keep_answers
 from robophm.stores.sqlite_alarms import SqliteAlarms
 from robophm.stores.store import HeldError, History, NoRoomError, Progress, Restored, Store, TakesRequests
+from robophm.stores.upkeep import Upkeep
+
+_log = logging.getLogger(__name__)
 
 LONGEST_WAIT = 10.0
 """The most seconds to wait for others who write to the same store, or make it."""
@@ -58,6 +65,7 @@ class SqliteStore(Store, TakesRequests):
             raise
 
     def _open(self) -> None:
+        self._look_into_log()
         until = time.monotonic() + LONGEST_WAIT
         while True:
             try:
@@ -68,6 +76,27 @@ class SqliteStore(Store, TakesRequests):
                     raise
                 time.sleep(0.01)
         self._base.execute("PRAGMA synchronous = FULL")
+
+    def _look_into_log(self) -> None:
+        """Say what of the log is not taken, which SQLite passes over, and keep that log beside the file."""
+        log = Path(f"{self.path}-wal")
+        if not (self._with_others and log.exists() and log.stat().st_size and os.access(self.path, os.W_OK)):
+            return
+        self._base.execute("PRAGMA user_version").fetchone()  # whoever reads first looks through the log
+        self._base.execute("BEGIN IMMEDIATE")
+        try:
+            left = left_behind(self.path)
+            if left.saves:
+                shutil.copyfile(log, f"{log}.damaged")
+        finally:
+            self._base.execute("ROLLBACK")
+        if left.pages:
+            self._base.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            kept = f", and kept in {log.name}.damaged" if left.saves else ""
+            _log.warning(
+                "%s: %d pages of its log are left out%s: they are damaged, or a save was not finished; the state "
+                "before them is gone on with", self.path, left.pages, kept,
+            )  # fmt: skip
 
     def _make(self) -> None:
         """Make the tables, or bring those of an earlier version to this one, unless somebody else has done so."""
@@ -184,12 +213,9 @@ class SqliteStore(Store, TakesRequests):
         """Return the requests to note services of a robot, in a table beside the others."""
         return ServiceRequests(self._base, robot, self._reading, self._transaction)
 
-    def copy_to(self, path: Path) -> None:
-        """Copy all of it into a new file. Raises StoreError where that is there, or cannot be written."""
-        if path.exists():
-            raise StoreError(f"{path}: exists; expected no such file, to keep a copy of {self.path} in")
-        with self._errors(), closing(sqlite3.connect(path)) as copy:
-            self._base.backup(copy)
+    def upkeep(self) -> Upkeep:
+        """Return what is done to all of the file."""
+        return SqliteUpkeep(self._base, self.path, self, self._reading, self._errors)
 
     @contextmanager
     def _saving(self, robot: str, ledger: Mapping[str, Any]) -> Iterator[None]:

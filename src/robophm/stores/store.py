@@ -15,6 +15,7 @@ from robophm.stores.alarm_log import AlarmLog, AlarmsInMemory
 from robophm.stores.events import Event
 from robophm.stores.figures import FigureSeries
 from robophm.stores.service_requests import ServiceRequests
+from robophm.stores.upkeep import Upkeep
 
 POINTS = 1000
 """Points of a series, unless another number is asked for."""
@@ -152,9 +153,9 @@ class Store(ABC):
         """Keep a ledger that was brought back to a time [ns], and nothing of a later one. Raises StoreError."""
         raise StoreError("this kind of store cannot be brought back to a time; expected one in SQLite")
 
-    def copy_to(self, path: Path) -> None:
-        """Copy all of it into a new file. Raises StoreError where that is there, or cannot be written."""
-        raise StoreError("this kind of store cannot be copied; expected one in SQLite")
+    def upkeep(self) -> Upkeep:
+        """Return what is done to all of it. Raises StoreError where this kind of store has nothing of the kind."""
+        raise StoreError("this kind of store is not looked after by robophm; expected one in SQLite")
 
     def close(self) -> None:  # noqa: B027  a store in memory holds nothing open
         """Close what is open; closing twice does no harm."""
