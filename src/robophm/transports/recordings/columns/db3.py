@@ -54,10 +54,12 @@ class Db3File(MappedFile, RowsFile):
         super().__init__(path, notes)
         if self.size <= SMALL and self._is_as_before():
             return
+        cut = ""
         try:
             check_whole(path)
         except SourceError as error:
             notes[f"lost: {error}"] += 1
+            cut = str(error)
         try:
             with self._opened() as database:
                 try:
@@ -74,7 +76,8 @@ class Db3File(MappedFile, RowsFile):
                     if self.joins:
                         self._remember(database)
         except (sqlite3.Error, UnicodeDecodeError) as error:
-            raise SourceError(f"{path}: cannot be read: {error}") from error
+            said = f"{cut}; no table can be read" if cut else f"{path}: cannot be read"
+            raise SourceError(f"{said}: {error}") from error
 
     def _is_as_before(self) -> bool:
         """Whether this file has the tables of the one before, and its messages are all there: then SQLite is not asked.
