@@ -52,6 +52,13 @@ class ChunkedFile(MappedFile):
     of_many = False
     """Whether it stands for several files."""
 
+    def together(self, files: Sequence[Self], content: Bytes, places: Sequence[int]) -> Self:
+        """Return files that define the same as one, with the chunks of all."""
+        one = super().together(files, content, places)
+        one.of_many = True
+        one.chunks = [chunk for file, place in zip(files, places, strict=False) for chunk in one.moved(file, place)]
+        return one
+
     @abstractmethod
     def moved(self, other: Self, by: int) -> list[Chunk]:
         """The chunks of another file, as they are when that lies so many bytes further on in this."""

@@ -8,16 +8,16 @@ from __future__ import annotations
 
 import sqlite3
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 
 from robophm.core.errors import SourceError
-from robophm.transports.recordings.columns.field_extraction import Ints
+from robophm.transports.recordings.columns.field_extraction import Bytes, Ints
 from robophm.transports.recordings.columns.mapped import SMALL, MappedFile
 from robophm.transports.recordings.columns.pieces import (
     BATCH,
@@ -176,6 +176,18 @@ class Db3File(MappedFile, RowsFile):
             if len(part):
                 rows_ = Rows(*(column[part] for column in rows))
                 yield Piece(int(rows_.times[0]), partial(self._load, pages, rows_, used, alone))
+
+    def together(self, files: Sequence[Self], content: Bytes, places: Sequence[int]) -> Self:
+        """Return files that define the same as one, with the rows of all: each of them lies on one page."""
+        one = super().together(files, content, places)
+        parts = []
+        for file, place in zip(files, places, strict=False):
+            rows, lost = file._found or (None, {})
+            if rows is None or lost or rows.spills.any():
+                raise DamageError("not all rows are known, or on one page each")
+            parts.append(rows._replace(starts=rows.starts + place, ends=rows.ends + place))
+        one._found = Rows(*(np.concatenate(columns) for columns in zip(*parts, strict=True))), Counter()
+        return one
 
     def _load(self, pages: Pages, rows: Rows, used: Flags, timed: Ints) -> list[Messages]:
         messages = []
