@@ -52,12 +52,9 @@ class ChunkedFile(MappedFile):
     of_many = False
     """Whether it stands for several files."""
 
-    def together(self, files: Sequence[Self], content: Bytes, places: Sequence[int]) -> Self:
-        """Return files that define the same as one, with the chunks of all."""
-        one = super().together(files, content, places)
-        one.of_many = True
-        one.chunks = [chunk for file, place in zip(files, places, strict=False) for chunk in one.moved(file, place)]
-        return one
+    def _hold_all(self, files: Sequence[Self], places: Sequence[int]) -> None:
+        self.of_many = True
+        self.chunks = [chunk for file, place in zip(files, places, strict=False) for chunk in self.moved(file, place)]
 
     @abstractmethod
     def moved(self, other: Self, by: int) -> list[Chunk]:

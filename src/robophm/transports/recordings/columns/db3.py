@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple, Self
 import numpy as np
 
 from robophm.core.errors import SourceError
-from robophm.transports.recordings.columns.field_extraction import Bytes, Ints
+from robophm.transports.recordings.columns.field_extraction import Ints
 from robophm.transports.recordings.columns.mapped import SMALL, MappedFile
 from robophm.transports.recordings.columns.pieces import (
     BATCH,
@@ -177,17 +177,14 @@ class Db3File(MappedFile, RowsFile):
                 rows_ = Rows(*(column[part] for column in rows))
                 yield Piece(int(rows_.times[0]), partial(self._load, pages, rows_, used, alone))
 
-    def together(self, files: Sequence[Self], content: Bytes, places: Sequence[int]) -> Self:
-        """Return files that define the same as one, with the rows of all: each of them lies on one page."""
-        one = super().together(files, content, places)
+    def _hold_all(self, files: Sequence[Self], places: Sequence[int]) -> None:
         parts = []
         for file, place in zip(files, places, strict=False):
             rows, lost = file._found or (None, {})
             if rows is None or lost or rows.spills.any():
                 raise DamageError("not all rows are known, or on one page each")
             parts.append(rows._replace(starts=rows.starts + place, ends=rows.ends + place))
-        one._found = Rows(*(np.concatenate(columns) for columns in zip(*parts, strict=True))), Counter()
-        return one
+        self._found = Rows(*(np.concatenate(columns) for columns in zip(*parts, strict=True))), Counter()
 
     def _load(self, pages: Pages, rows: Rows, used: Flags, timed: Ints) -> list[Messages]:
         messages = []

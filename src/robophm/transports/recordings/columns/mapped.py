@@ -119,7 +119,12 @@ class MappedFile(PiecedFile):
         one.counts = Counter()
         for file in files:
             one.counts.update(file.counts)
+        one._hold_all(files, places)
         return one
+
+    def _hold_all(self, files: Sequence[Self], places: Sequence[int]) -> None:
+        """Have the messages of all of these files, each of which begins at its place here; raises DamageError."""
+        raise DamageError("a file that is read alone")
 
     def close(self) -> None:
         """Let go of the file."""
