@@ -220,3 +220,30 @@ def test_of_two_that_overlap_a_cut_one_takes_nothing_from_the_other(kept: float,
         assert not [note for note in report.notes if "late" in note]
         assert report.clocks["calendar"] == pytest.approx(1859 / 3600, abs=5 / 3600)
         assert any("lost" in note for note in report.notes)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "kept", "says"),
+    [
+        (
+            "mcap",
+            500,
+            r": \d+ bytes of a file that is cut or damaged at byte \d+ lost; no message that can be read is left",
+        ),
+        (
+            "bag",
+            2000,
+            r": \d+ bytes of a file that is cut or damaged at byte 13 lost; no message that can be read is left",
+        ),
+        ("db3", 3000, r": is cut short: 3000 bytes; expected \d+; no table can be read: no such table: topics"),
+    ],
+)
+def test_of_a_file_whose_begin_alone_is_left_it_is_said_that_it_is_cut(
+    suffix: str, kept: int, says: str, tmp_path: Path, ask: Any
+) -> None:
+    written = SyntheticOta(seed=5, start=T0, duration=60 * SECOND).record(tmp_path / f"drive.{suffix}")
+    content = (written / f"drive.{suffix}" if written.is_dir() else written).read_bytes()
+    (path := tmp_path / f"cut.{suffix}").write_bytes(content[:kept])
+    code, _, said = ask("replay", path)
+    assert code == 3
+    assert re.fullmatch(f"error: {re.escape(str(path))}{says}\n", said)

@@ -44,7 +44,7 @@ MOST_SEEN = 20
 """Signals, each of one recording, that are listed."""
 
 MOST_LEVELS = 4
-"""Of so many of them the time at level is listed too."""
+"""Number of those of which the time at level is listed too."""
 
 
 def command(

@@ -89,7 +89,8 @@ class Unpacked:
                 except _damage() as error:
                     if not file.tell():
                         raise SourceError(f"{path}: cannot be read: {error}") from error
-                    notes[f"{path.name}: the rest is lost: {error}"] += 1
+                    why = "it is cut" if isinstance(error, EOFError) else error
+                    notes[f"{path.name}: the rest is lost: {why}"] += 1
                     return
                 if not part:
                     return

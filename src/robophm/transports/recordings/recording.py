@@ -84,9 +84,9 @@ class Recording(SignalSource):
         self._files: list[PiecedFile] = []
         with ExitStack() as stack:
             self._files = opened(paths, self._found, stack)
-            empty = all(file.begin() == MOST_TIME for file in self._files)
+            empty = all(file.begin() == MOST_TIME or not file.connections for file in self._files)
             if (lost := self.lost()) and (empty or not self._salvages):
-                raise SourceError(lost[0])
+                raise SourceError(lost[0] + "; no message that can be read is left" * empty)
             if empty:
                 raise EmptyError(f"{', '.join(map(str, paths)) or 'no file'}: holds no messages")
             self._opened = stack.pop_all()

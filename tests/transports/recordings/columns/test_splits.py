@@ -78,12 +78,35 @@ def bags(drive: Path, folder: Path, compression: str) -> list[Path]:
     return paths
 
 
-@pytest.fixture(scope="module", params=["NONE.mcap", "ZSTD.mcap", "NONE.bag", "LZ4.bag"])
+def databases(drive: Path, folder: Path, compression: str) -> list[Path]:
+    from rosbags.rosbag2 import Reader, StoragePlugin, Writer
+
+    folder.mkdir()
+    with Reader(drive) as reader:
+        messages = list(reader.messages())
+        starts = sorted({time // LENGTH for _, time, _ in messages})
+        paths = []
+        for start in starts:
+            name = f"drive_{start - starts[0]:03}"
+            with Writer(folder.parent / name, version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
+                new = {one.id: writer.add_connection(one.topic, one.msgtype, msgdef=one.msgdef.data, rihs01=one.digest)
+                       for one in reader.connections}  # fmt: skip
+                for connection, time, raw in messages:
+                    if time // LENGTH == start:
+                        writer.write(new[connection.id], time, raw)
+            paths.append((folder.parent / name / f"{name}.db3").rename(folder / f"{name}.db3"))
+    return paths
+
+
+SPLITS = {"mcap": split, "bag": bags, "db3": databases}
+
+
+@pytest.fixture(scope="module", params=["NONE.mcap", "ZSTD.mcap", "NONE.bag", "LZ4.bag", "NONE.db3"])
 def drive(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Path]]:
     compression, _, suffix = request.param.partition(".")
     folder = tmp_path_factory.mktemp("drive")
     whole = SyntheticOta(seed=3, start=T0, duration=600 * SECOND).record(folder / f"drive.{suffix}")
-    return whole, (split if suffix == "mcap" else bags)(whole, folder / "parts", compression)
+    return whole, SPLITS[suffix](whole, folder / "parts", compression)
 
 
 def gathered(

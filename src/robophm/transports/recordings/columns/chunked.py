@@ -52,6 +52,10 @@ class ChunkedFile(MappedFile):
     of_many = False
     """Whether it stands for several files."""
 
+    def _hold_all(self, files: Sequence[Self], places: Sequence[int]) -> None:
+        self.of_many = True
+        self.chunks = [chunk for file, place in zip(files, places, strict=False) for chunk in self.moved(file, place)]
+
     @abstractmethod
     def moved(self, other: Self, by: int) -> list[Chunk]:
         """The chunks of another file, as they are when that lies so many bytes further on in this."""

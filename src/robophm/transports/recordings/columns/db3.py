@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import sqlite3
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Self
 
 import numpy as np
 
@@ -54,10 +54,12 @@ class Db3File(MappedFile, RowsFile):
         super().__init__(path, notes)
         if self.size <= SMALL and self._is_as_before():
             return
+        cut = ""
         try:
             check_whole(path)
         except SourceError as error:
             notes[f"lost: {error}"] += 1
+            cut = str(error)
         try:
             with self._opened() as database:
                 try:
@@ -74,7 +76,8 @@ class Db3File(MappedFile, RowsFile):
                     if self.joins:
                         self._remember(database)
         except (sqlite3.Error, UnicodeDecodeError) as error:
-            raise SourceError(f"{path}: cannot be read: {error}") from error
+            said = f"{cut}; no table can be read" if cut else f"{path}: cannot be read"
+            raise SourceError(f"{said}: {error}") from error
 
     def _is_as_before(self) -> bool:
         """Whether this file has the tables of the one before, and its messages are all there: then SQLite is not asked.
@@ -173,6 +176,15 @@ class Db3File(MappedFile, RowsFile):
             if len(part):
                 rows_ = Rows(*(column[part] for column in rows))
                 yield Piece(int(rows_.times[0]), partial(self._load, pages, rows_, used, alone))
+
+    def _hold_all(self, files: Sequence[Self], places: Sequence[int]) -> None:
+        parts = []
+        for file, place in zip(files, places, strict=False):
+            rows, lost = file._found or (None, {})
+            if rows is None or lost or rows.spills.any():
+                raise DamageError("not all rows are known, or on one page each")
+            parts.append(rows._replace(starts=rows.starts + place, ends=rows.ends + place))
+        self._found = Rows(*(np.concatenate(columns) for columns in zip(*parts, strict=True))), Counter()
 
     def _load(self, pages: Pages, rows: Rows, used: Flags, timed: Ints) -> list[Messages]:
         messages = []

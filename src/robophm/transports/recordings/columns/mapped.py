@@ -7,10 +7,12 @@ from __future__ import annotations
 
 import mmap
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from copy import copy
 from functools import cached_property
 from pathlib import Path
 from threading import Lock
+from typing import Self
 
 import numpy as np
 
@@ -105,6 +107,24 @@ class MappedFile(PiecedFile):
         """Have this for content, which lies in memory, in the place of the file's."""
         self._memory, self._content, self.size, self._advice = None, content, len(content), None
         self._fetched = None
+
+    def together(self, files: Sequence[Self], content: Bytes, places: Sequence[int]) -> Self:
+        """Return files that define the same as one, of this content, in which each begins at its place.
+
+        Raises DamageError where one of them is not as it says, then or when it is read.
+        """
+        one = copy(self)
+        one.hold(content)
+        one.notes, one.late = Counter(), Counter()
+        one.counts = Counter()
+        for file in files:
+            one.counts.update(file.counts)
+        one._hold_all(files, places)
+        return one
+
+    def _hold_all(self, files: Sequence[Self], places: Sequence[int]) -> None:
+        """Have the messages of all of these files, each of which begins at its place here; raises DamageError."""
+        raise DamageError("a file that is read alone")
 
     def close(self) -> None:
         """Let go of the file."""

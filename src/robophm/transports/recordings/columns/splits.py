@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import suppress
-from copy import copy
 from functools import partial
 from itertools import groupby
 
@@ -13,7 +12,6 @@ import numpy as np
 
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.chunked import ChunkedFile
-from robophm.transports.recordings.columns.field_extraction import Bytes
 from robophm.transports.recordings.columns.mapped import MappedFile
 from robophm.transports.recordings.columns.pieces import BATCH, DamageError, Messages, Piece, PiecedFile, together
 from robophm.transports.recordings.files import reading
@@ -80,10 +78,8 @@ class Splits(PiecedFile):
     def _load(
         self, batch: Sequence[MappedFile], wanted: Collection[int], start: int, end: int, timed: Collection[int]
     ) -> list[Messages]:
-        chunked = [file for file in batch if isinstance(file, ChunkedFile)]
-        if len(chunked) == len(batch):
-            with suppress(DamageError, OSError, SourceError):
-                return _at_once(chunked, wanted, start, end, timed)
+        with suppress(DamageError, OSError, SourceError):
+            return _at_once(batch, wanted, start, end, timed)
         return together(messages for file in batch for messages in self._alone(file, wanted, start, end, timed))
 
     def _alone(
@@ -101,7 +97,7 @@ class Splits(PiecedFile):
 
 
 def _at_once(
-    batch: Sequence[ChunkedFile], wanted: Collection[int], start: int, end: int, timed: Collection[int]
+    batch: Sequence[MappedFile], wanted: Collection[int], start: int, end: int, timed: Collection[int]
 ) -> list[Messages]:
     """The messages of whole files, all in one buffer. Raises DamageError where not all of one is as it says."""
     places = np.cumsum([0, *(file.size for file in batch)]).tolist()
@@ -111,28 +107,12 @@ def _at_once(
         with file.source.open("rb", buffering=0) as content:
             if content.readinto(room[begin:behind]) != file.size or content.read(1):
                 raise DamageError("changed")
-    one = _joined(batch, buffer, places)
+    one = batch[0].together(batch, buffer, places)
     found = [messages for piece in one.pieces(wanted, start, end, timed) for messages in piece.load()]
     told: Counter[int] = Counter()
     for messages in found:
         told[messages.connection] += len(messages.times)
-    whole = all(chunk.first >= start and chunk.last < end for chunk in one.chunks)
+    whole = isinstance(one, ChunkedFile) and all(chunk.first >= start and chunk.last < end for chunk in one.chunks)
     if one.notes or one.late or (whole and any(one.counts[id_] > told[id_] for id_ in {*wanted, *timed})):
         raise DamageError("something is lost")
     return found
-
-
-def _joined(files: Sequence[ChunkedFile], content: Bytes, places: Sequence[int]) -> ChunkedFile:
-    """Files that define the same as one, which raises DamageError where one of them is not as it says.
-
-    ``content`` is that of all of them, which begins at these places.
-    """
-    one = copy(files[0])
-    one.hold(content)
-    one.notes, one.late, one.of_many = Counter(), Counter(), True
-    one.chunks = [chunk for file, place in zip(files, places, strict=False) for chunk in one.moved(file, place)]
-    counts: Counter[int] = Counter()
-    for file in files:
-        counts.update(file.counts)
-    one.counts = counts
-    return one
