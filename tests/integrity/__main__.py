@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import logging
 import sys
 import time
 from collections import Counter
@@ -21,6 +22,7 @@ def main() -> int:
     parser.add_argument("--cuts", type=int, default=1000, help="states after a cut of power, of all together")
     parser.add_argument("--seed", type=int, default=1)
     said = parser.parse_args()
+    logging.getLogger("robophm.stores").setLevel(logging.ERROR)  # that saves were not finished is what it is about
     wanted = [one for one in subjects() if one.name in (said.subjects or names)]
     faults: list[str] = []
     for subject in wanted:

@@ -132,6 +132,17 @@ def test_a_leap_second_changes_nothing(design: Robot) -> None:
     assert life.notes == []
 
 
+@pytest.mark.parametrize("share", [1e-4, -1e-4], ids=["fast", "slow"])
+def test_a_clock_that_drifts_is_off_by_its_drift_alone(design: Robot, share: float) -> None:
+    """As bad a quartz as there is: nine seconds a day."""
+    drifting = Life(design).lives(BOOT, 3601, lambda now: now + round(share * (now - BOOT)))
+    right_all_along = Life(design).lives(BOOT, 3601)
+    assert drifting.heard == right_all_along.heard
+    assert drifting.notes == []
+    for off, true in zip(drifting.seconds, right_all_along.seconds, strict=True):
+        assert abs(off - true) <= abs(share) * 3600 + 0.001
+
+
 @pytest.mark.parametrize("year", [1970, 2038])
 def test_a_glitch_of_20_s_is_named_and_changes_nothing_else(design: Robot, year: int) -> None:
     by = (IN_2038 if year == 2038 else 0) - BOOT

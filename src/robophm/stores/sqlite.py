@@ -94,8 +94,8 @@ class SqliteStore(Store, TakesRequests):
             self._base.execute("PRAGMA wal_checkpoint(TRUNCATE)")
             kept = f", and kept in {log.name}.damaged" if left.saves else ""
             _log.warning(
-                "%s: %d pages of its log are left out%s: they are damaged, or a save was not finished; the state "
-                "before them is gone on with", self.path, left.pages, kept,
+                "%s: the end of its log is left out (pages: %d)%s: it is damaged, or a save was not finished; the "
+                "state before it is gone on with", self.path, left.pages, kept,
             )  # fmt: skip
 
     def _make(self) -> None:
