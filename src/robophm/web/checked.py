@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
+from collections.abc import Sequence
 from dataclasses import replace
 
 from robophm.design.drawable import Drawable, drawable
@@ -33,6 +34,11 @@ class CheckedTexts:
                     self._found.popitem(last=False)
             self._found.move_to_end(text)
             return self._found[text]
+
+    def problems(self, text: str) -> Sequence[Problem]:
+        """Return all that is wrong or odd in a text, mistakes that only show once others are left out among them."""
+        drawn = None if self.of(text).robot else self.drawn(text)
+        return drawn.problems if drawn else self.of(text).problems
 
     def drawn(self, text: str) -> Drawable | None:
         """Return the robot of a text for its drawing, what is wrong left out; None where there is nothing to draw."""

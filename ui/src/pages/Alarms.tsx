@@ -6,6 +6,7 @@ import { prefer, preferences, sayError, useShared } from "../lib/store";
 import { momentText } from "../lib/words";
 import { Text } from "../parts/Field";
 import { Icon, ICONS } from "../parts/Icon";
+import { OnlyFor } from "../parts/OnlyFor";
 
 export const page = { name: "Alarms", icon: ICONS.bell, order: 55 };
 
@@ -79,9 +80,11 @@ function Log({ alarms, none, label, acknowledge }: { alarms: Alarm[]; none: stri
             </span>
           ) : (
             acknowledge !== undefined && (
-              <button disabled={!acknowledge} title={acknowledge ? undefined : "Say who you are first"} onClick={() => acknowledge?.(one)} aria-label={`Acknowledge alarm ${one.number}`}>
-                Acknowledge
-              </button>
+              <OnlyFor role="operator">
+                <button disabled={!acknowledge} title={acknowledge ? undefined : "Say who you are first"} onClick={() => acknowledge?.(one)} aria-label={`Acknowledge alarm ${one.number}`}>
+                  Acknowledge
+                </button>
+              </OnlyFor>
             )
           )}
         </li>
