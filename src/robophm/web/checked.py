@@ -7,6 +7,7 @@ from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import replace
 
+from robophm.core.yaml_nodes import uncollected
 from robophm.design.drawable import Drawable, drawable
 from robophm.design.problems import CheckResult, Problem, check
 from robophm.health.refusal import refusal
@@ -51,6 +52,7 @@ class CheckedTexts:
                 self._drawn = text, drawable(checked.document, checked.lines)
             return self._drawn[1]
 
+    @uncollected()
     def _checked(self, text: str) -> CheckResult:
         """A check of a text that includes why no figures can be given for the robot that it describes."""
         found = check(text)

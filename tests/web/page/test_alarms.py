@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 import time
@@ -67,6 +68,15 @@ def oven(tmp_path, monkeypatch):
         yield served
 
 
+def limit_of(svg):
+    """The value at which a picture draws a limit, by the first and the last number beside its upright axis."""
+    drawn = re.findall(r'<path d="M90 ([\d.]+)H700"[^>]* stroke-dasharray="4 2"', svg)
+    numbers = re.findall(r'<text x="84" y="([\d.]+)" text-anchor="end">([^<]+)<', svg)
+    (low, lowest), (high, highest) = ((float(y) - 4, float(number)) for y, number in (numbers[0], numbers[-1]))
+    assert len(drawn) == 1 and "limit 2e-5<" in svg
+    return lowest + (float(drawn[0]) - low) / (high - low) * (highest - lowest)
+
+
 def ask(design, store, *words):
     """What `robophm alarms` answers, and its exit code."""
     command = [sys.executable, "-m", "robophm", "alarms", str(design), "--store", store, *words]
@@ -82,6 +92,9 @@ def test_an_alarm_is_seen_drawn_and_acknowledged(oven, visit, tmp_path):
     page.get_by_role("region", name="Sensors in °C").get_by_text("warning 40", exact=True).wait_for()
     page.get_by_role("region", name="Hazard rate").get_by_text("limit 2e-5", exact=True).wait_for()
     page.wait_for_function(DRAWN)
+    with page.expect_download() as taken:
+        page.get_by_role("button", name="Hazard rate as SVG").click()
+    assert limit_of(taken.value.path().read_text()) == pytest.approx(2e-5, rel=0.01)
     said = oven.get("/api/health")
     assert (said["alarms"], said["unacknowledged"], said["state"]) == (3, 3, "error")
     page = look.open("overview")
