@@ -73,7 +73,8 @@ def limit_of(svg):
     drawn = re.findall(r'<path d="M90 ([\d.]+)H700"[^>]* stroke-dasharray="4 2"', svg)
     numbers = re.findall(r'<text x="84" y="([\d.]+)" text-anchor="end">([^<]+)<', svg)
     (low, lowest), (high, highest) = ((float(y) - 4, float(number)) for y, number in (numbers[0], numbers[-1]))
-    assert len(drawn) == 1 and "limit 2e-5<" in svg
+    assert "limit 2e-5<" in svg
+    assert len(drawn) == 1
     return lowest + (float(drawn[0]) - low) / (high - low) * (highest - lowest)
 
 
