@@ -127,6 +127,10 @@ export function App(): ReactNode {
     return () => removeEventListener("keydown", key);
   }, []);
 
+  useEffect(() => {
+    document.querySelector(".rail [aria-current]")?.scrollIntoView({ block: "nearest", inline: "center" }); // on a telephone they stand in a row
+  }, [shown.id]);
+
   const Show = shown.show;
   return (
     <div className="shell">

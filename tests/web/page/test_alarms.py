@@ -107,6 +107,10 @@ def test_an_alarm_is_seen_drawn_and_acknowledged(oven, visit, tmp_path):
     row.get_by_text("Not known whether it is still so: it rests on silence since").wait_for()
     assert row.get_by_role("button", name="Acknowledge").is_disabled()
     assert look.serious() == []
+    limits = page.get_by_role("list", name="Limits of the design").get_by_role("listitem")
+    limits.filter(has_text="the robot: hazard rate above 2e-05 /h for 10 s").wait_for()
+    limits.filter(has_text="/motor.temperature: above 40 °C").wait_for()
+    assert limits.count() == 2
     page.get_by_label("Acknowledge as").fill("Ada")
     row.get_by_role("button", name="Acknowledge").click()
     row.get_by_text("acknowledged by Ada").wait_for()

@@ -47,6 +47,26 @@ export default function Alarms(): ReactNode {
           <Log alarms={going} none="None at present." label="Active alarms" acknowledge={name.trim() ? (one) => void acknowledge(one) : null} />
         </section>
       )}
+      {found && found.limits.length > 0 && (
+        <section className="card" style={{ marginTop: 16 }}>
+          <h2>What begins one</h2>
+          <ul className="alarms" aria-label="Limits of the design">
+            {found.limits.map((one, i) => (
+              <li key={i}>
+                <span className={`state ${one.severity}`}>
+                  <Icon name={one.severity} /> {one.severity.toUpperCase()}
+                </span>
+                <span className="grow">
+                  <strong>{one.of || "the robot"}</strong>: {one.rule}
+                </span>
+              </li>
+            ))}
+          </ul>
+          <p className="small quiet">
+            Wear that reaches its threshold, and signals that change or are doubtful, begin one too. Limits are part of the design: <a href="#/settings">those of the robot</a>, all others in its text.
+          </p>
+        </section>
+      )}
       {ended.length > 0 && (
         <section className="card" style={{ marginTop: 16 }}>
           <h2>Cleared</h2>
