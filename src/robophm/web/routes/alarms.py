@@ -48,7 +48,7 @@ class StatedLimit(Shape):
     of: str
     """Path of a module or a part, or the name of a signal; empty for the robot."""
     rule: str
-    """What begins an alarm, in words."""
+    """Condition that begins an alarm, in words."""
 
 
 class AlarmsOfRobot(Shape):
