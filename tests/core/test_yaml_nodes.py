@@ -168,3 +168,25 @@ def test_what_is_read_slowly_is_bounded(monkeypatch):
 @pytest.mark.parametrize("digits", ["0x" + "f" * 5000, "0o" + "7" * 5000, "9" * 5000])
 def test_a_number_that_cannot_be_written_again_is_a_text(digits):
     assert yaml_values.values(f"a: {digits}\n", "design")[0] == {"a": digits}
+
+
+def test_each_key_has_the_line_and_column_that_ruamel_tells(designs):
+    """By its round trip, which keeps where keys and items stand."""
+    text = max(designs, key=len)
+    lines = yaml_values.values(text, "design")[1]
+
+    def places(node, place=()):
+        if isinstance(node, dict):
+            for key, value in node.items():
+                yield (*place, key), node.lc.key(key)
+                yield from places(value, (*place, key))
+        elif isinstance(node, list):
+            for i, value in enumerate(node):
+                yield (*place, str(i)), node.lc.item(i)
+                yield from places(value, (*place, str(i)))
+
+    told = {place: (line + 1, column + 1) for place, (line, column) in places(YAML().load(text))}
+    assert len(told) > 50
+    assert told == {place: (line, lines.columns[place]) for place, line in lines.items() if place}
+    assert lines.nearest((*next(iter(told)), "nothing", "of it")) == told[next(iter(told))]
+    assert yaml_values.Lines().nearest(("a",)) is None

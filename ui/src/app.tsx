@@ -4,6 +4,7 @@ import { connected, pulse } from "./lib/live";
 import { go, own, redo, route, save, undo, unreachable, useDesign, useShared } from "./lib/store";
 import { Help } from "./parts/Help";
 import { Icon, State } from "./parts/Icon";
+import { OnlyFor } from "./parts/OnlyFor";
 import { OutsideDialog } from "./parts/OutsideDialog";
 import { Palette } from "./parts/Palette";
 import { PastButton } from "./parts/Past";
@@ -73,15 +74,17 @@ function Top({ openPalette, openHelp }: { openPalette: () => void; openHelp: () 
       <User />
       <ProblemsButton />
       <PastButton />
-      <button onClick={() => void undo()} disabled={undoes == null} title={undoes == null ? "Nothing to undo" : `Undo: ${undoes} (Ctrl+Z)`}>
-        Undo
-      </button>
-      <button onClick={() => void redo()} disabled={redoes == null} title={redoes == null ? "Nothing to redo" : `Redo: ${redoes} (Ctrl+Y)`}>
-        Redo
-      </button>
-      <button className={design && !design.saved ? "primary" : ""} onClick={() => void save()} disabled={!design || design.saved} title="Ctrl+S">
-        Save
-      </button>
+      <OnlyFor role="editor">
+        <button onClick={() => void undo()} disabled={undoes == null} title={undoes == null ? "Nothing to undo" : `Undo: ${undoes} (Ctrl+Z)`}>
+          Undo
+        </button>
+        <button onClick={() => void redo()} disabled={redoes == null} title={redoes == null ? "Nothing to redo" : `Redo: ${redoes} (Ctrl+Y)`}>
+          Redo
+        </button>
+        <button className={design && !design.saved ? "primary" : ""} onClick={() => void save()} disabled={!design || design.saved} title="Ctrl+S">
+          Save
+        </button>
+      </OnlyFor>
       <button className="icon" onClick={openPalette} aria-label="Find anything (Ctrl+K)">
         <Icon name="search" />
       </button>
@@ -123,6 +126,10 @@ export function App(): ReactNode {
     addEventListener("keydown", key);
     return () => removeEventListener("keydown", key);
   }, []);
+
+  useEffect(() => {
+    document.querySelector(".rail [aria-current]")?.scrollIntoView({ block: "nearest", inline: "center" }); // on a telephone they stand in a row
+  }, [shown.id]);
 
   const Show = shown.show;
   return (

@@ -19,8 +19,19 @@ _MOST_DIGITS = 1000
 
 _HALF = re.compile("[\ud800-\udfff]")
 
-Lines = dict[tuple[str, ...], int]
-"""The line of each value, by the keys that lead to it."""
+
+class Lines(dict[tuple[str, ...], int]):
+    """The line of each value, by the keys that lead to it; both count from 1."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.columns: dict[tuple[str, ...], int] = {}
+        """The column of its line at which each value, or its key, begins."""
+
+    def nearest(self, place: tuple[str, ...]) -> tuple[int, int] | None:
+        """Return line and column of a place, or of the innermost around it that there is; None without any."""
+        known = next((place[:n] for n in range(len(place), -1, -1) if place[:n] in self), None)
+        return None if known is None else (self[known], self.columns.get(known, 1))
 
 
 def values(text: str, name: str) -> tuple[Any, Lines]:
@@ -51,12 +62,13 @@ class _Reader:
 
     def __init__(self, name: str) -> None:
         self.name = name
-        self.lines: Lines = {}
+        self.lines = Lines()
         self.count = 0
         self.characters = 0
 
     def value(self, node: Any, place: tuple[str, ...]) -> Any:
         line = self.lines[place] = node.start_mark.line + 1
+        self.lines.columns[place] = node.start_mark.column + 1
         self.count += 1
         if self.count > MAX_VALUES:
             raise DesignError(f"{self.name}:{line}: unfolds to more than {MAX_VALUES:,} values")
@@ -78,6 +90,7 @@ class _Reader:
                     raise DesignError(f"{at}: {_text(place)}duplicate name '{key}'; names of one level must differ")
                 result[key] = self.value(value_node, (*place, key))
                 self.lines[(*place, key)] = key_node.start_mark.line + 1
+                self.lines.columns[(*place, key)] = key_node.start_mark.column + 1
             return result
         if node.id == "sequence":
             return [self.value(item, (*place, str(i))) for i, item in enumerate(node.value)]
@@ -117,5 +130,5 @@ def _text(place: tuple[str, ...]) -> str:
 
 def located(name: str, lines: Lines, place: tuple[str, ...], message: str) -> str:
     """Return a fault's message with the file, the line and the place in it."""
-    known = next((place[:n] for n in range(len(place), -1, -1) if place[:n] in lines), ())
-    return f"{name}:{lines.get(known, 1)}: {_text(place)}{message}"
+    line, _ = lines.nearest(place) or (1, 1)
+    return f"{name}:{line}: {_text(place)}{message}"

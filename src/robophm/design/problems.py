@@ -27,7 +27,7 @@ class Problem:
     message: str
     line: int | None
     column: int | None = None
-    """The column of the line, from 1 on, at which the text is no YAML any more, where that is what is wrong."""
+    """The column of the line, from 1 on: of the key or the value, or where the text is no YAML any more."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class CheckResult:
     robot: Robot | None
     """The robot that it describes; None where there is an error."""
     problems: tuple[Problem, ...]
-    lines: Lines = field(default_factory=dict, repr=False)
+    lines: Lines = field(default_factory=Lines, repr=False)
     """The line of each of its values."""
 
     @property
@@ -81,11 +81,11 @@ def built(document: dict[str, Any], lines: Lines) -> tuple[Robot | None, list[Pr
         places = [place_and_message(detail, lines, RobotFile) for detail in error.errors(include_url=False)]
     except LocatedError as fault:
         places = [(fault.place, str(fault))]
-    return None, [Problem("error", place, message, _line(place, lines)) for place, message in dict.fromkeys(places)]
+    return None, [Problem("error", place, message, *_spot(place, lines)) for place, message in dict.fromkeys(places)]
 
 
-def _line(place: Path, lines: Lines) -> int | None:
-    return next((lines[place[:n]] for n in range(len(place), -1, -1) if place[:n] in lines), None)
+def _spot(place: Path, lines: Lines) -> tuple[int | None, int | None]:
+    return lines.nearest(place) or (None, None)
 
 
 def _odd(robot: Robot, lines: Lines) -> Iterator[Problem]:
@@ -94,19 +94,19 @@ def _odd(robot: Robot, lines: Lines) -> Iterator[Problem]:
     for warning in robot.warnings:
         said, _, message = warning.partition(": ")
         place = by_name.get(said.partition("[")[0], tuple(said.split("/")))
-        yield Problem("warning", place, message, _line(place, lines))
+        yield Problem("warning", place, message, *_spot(place, lines))
     for part in robot.all_components():
         if part.unknown:
             place = by_name.get(part.path, ())
             message = "its rate is unknown: what it is part of leaves it out, and says so"
-            yield Problem("warning", place, message, _line(place, lines))
+            yield Problem("warning", place, message, *_spot(place, lines))
     from robophm.blocks.diagram import units
 
     for module in (robot, *robot.all_modules()):
         for name, times in Counter(units(module.wiring)).items():
             if times > 1:
                 place = by_name.get(name.partition("[")[0], ())
-                yield Problem("warning", place, f"drawn in {times} places; it counts as one part", _line(place, lines))
+                yield Problem("warning", place, f"drawn in {times} places; it counts as one part", *_spot(place, lines))
 
 
 def _names(place: Path) -> str:

@@ -80,7 +80,8 @@ def plan_of_rows(rows: Iterable[Row], robot: Robot, name: str) -> Plan:
     known = {"task", "functions", *_LEG}
     known |= {one for mode in robot.modes for stress in mode.stresses for one in stress.model.numbers}
     tasks: list[Any] = []
-    lines: Lines = {(): 1, ("tasks",): 1}
+    lines = Lines()
+    lines |= {(): 1, ("tasks",): 1}
     own = count()
     for _, group in groupby(rows, key=lambda row: row[1].get("task", next(own))):
         legs: list[Any] = []

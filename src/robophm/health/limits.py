@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
 from robophm.design.thresholds import Level, Limits, Thresholds
 
@@ -60,6 +61,12 @@ class LimitedValue:
         """Say where the value must not be: "above 40 °C"."""
         limit = f"{self.level.limit:.4g}" if self.figure == "hazard_rate" else f"{self.level.limit:g}"
         return f"{'above' if self.above else 'below'} {limit}{self._unit}"
+
+    @property
+    def rule(self) -> str:
+        """Say what begins an alarm: "hazard rate above 2e-05 /h for 10 s"."""
+        lasting = f" for {self.level.delay / SECOND:g} s" if self.level.delay else ""
+        return f"{_NAMES.get(self.figure, '')} {self.beyond}{lasting}".lstrip()
 
     @property
     def words(self) -> str:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
+from collections.abc import Sequence
 from dataclasses import replace
 
+from robophm.core.yaml_nodes import uncollected
 from robophm.design.drawable import Drawable, drawable
 from robophm.design.problems import CheckResult, Problem, check
 from robophm.health.refusal import refusal
@@ -34,6 +36,11 @@ class CheckedTexts:
             self._found.move_to_end(text)
             return self._found[text]
 
+    def problems(self, text: str) -> Sequence[Problem]:
+        """Return all that is wrong or odd in a text, mistakes that only show once others are left out among them."""
+        drawn = None if self.of(text).robot else self.drawn(text)
+        return drawn.problems if drawn else self.of(text).problems
+
     def drawn(self, text: str) -> Drawable | None:
         """Return the robot of a text for its drawing, what is wrong left out; None where there is nothing to draw."""
         checked = self.of(text)
@@ -45,6 +52,7 @@ class CheckedTexts:
                 self._drawn = text, drawable(checked.document, checked.lines)
             return self._drawn[1]
 
+    @uncollected()
     def _checked(self, text: str) -> CheckResult:
         """A check of a text that includes why no figures can be given for the robot that it describes."""
         found = check(text)

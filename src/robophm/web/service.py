@@ -212,7 +212,6 @@ class Service:
         checked = self.workspace.checked.of(draft.text)
         name = checked.document.get("name")
         prepared = self.workspace.checked.prepared.of(checked.robot) if checked.robot and not checked.refused else None
-        drawn = None if checked.robot else self.workspace.checked.drawn(draft.text)
         return DesignState(
             revision=draft.revision,
             state=draft.state,
@@ -224,7 +223,7 @@ class Service:
             undo=(draft.what or "the last change") if draft.undo else None,
             redo=draft.redo,
             valid=checked.robot is not None,
-            problems=told(drawn.problems if drawn else checked.problems),
+            problems=told(self.workspace.checked.problems(draft.text)),
             levels=prepared.levels if prepared else {},
             unknown={path: rates_of(one) for path, one in prepared.unknown.items()} if prepared else {},
         )

@@ -53,7 +53,7 @@ class Problem(Shape):
     message: str
     line: int | None
     column: int | None
-    """The column of the line, from 1 on, at which the text is no YAML any more, where that is what is wrong."""
+    """The column of the line, from 1 on: of the key or the value, or where the text is no YAML any more."""
 
 
 class PastOfPart(Shape):

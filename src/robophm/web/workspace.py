@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from robophm.core.errors import DesignError, StoreError
+from robophm.core.yaml_nodes import uncollected
 from robophm.core.yaml_values import MAX_BYTES
 from robophm.design.carried_edits import carry
 from robophm.design.editing import put, value_at
@@ -310,7 +311,7 @@ class Workspace:
 
     def _not_over(self, draft: Draft, over: str | None) -> None:
         """Raise OutsideError where the file holds neither what was last read or saved, nor what is to be written."""
-        content = self._file()
+        content = read(self.path) if self.path.exists() else None
         saved = self._here()[2]
         known = self._text(saved) if saved is not None else None
         if content is None or content in (known, draft.text):
@@ -323,10 +324,6 @@ class Workspace:
         lines = difflib.unified_diff(before, now, "as it was read", f"{name} now", n=2, lineterm="")
         said = f"{name} was changed outside since it was read, and is not written over"
         raise OutsideError(said, digest, tuple(itertools.islice(lines, MOST_LINES)))
-
-    def _file(self) -> str | None:
-        """The text that the file holds now; None where there is none. Raises DesignError where it cannot be read."""
-        return read(self.path) if self.path.exists() else None
 
     def _touched(self, saved: int) -> bool:
         """Whether the file holds something else than that state; looked at again only where its stamp has changed."""
@@ -428,6 +425,7 @@ def load(text: str) -> Any:
     return document
 
 
+@uncollected()
 def load_value(text: str) -> Any:
     """Return any value, comments attached. Raises LocatedError."""
     from ruamel.yaml.error import YAMLError
@@ -440,6 +438,7 @@ def load_value(text: str) -> Any:
         raise LocatedError((), f"is not YAML, and can only be replaced: {str(error).splitlines()[0]}") from None
 
 
+@uncollected()
 def dump(document: Any) -> str:
     """Return a document, or a part of one, as text."""
     from robophm.design.file import round_trip

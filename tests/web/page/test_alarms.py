@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 import time
@@ -12,6 +13,7 @@ import pytest
 
 from robophm.core.signal import SECOND
 from robophm.stores import open_store
+from robophm.web import monitoring
 
 from ..conftest import serving
 
@@ -50,8 +52,13 @@ DRAWN = """() => {
 
 
 @pytest.fixture
-def oven(tmp_path):
-    """At 45 °C the motor's rate is 32 FPMH: from second 20 on, until the sensor dies at 80."""
+def oven(tmp_path, monkeypatch):
+    """At 45 °C the motor's rate is 32 FPMH: from second 20 on, until the sensor dies at 80.
+
+    Each second of it is looked at: looks are otherwise timed by the clock, and a busy machine plays a minute between.
+    """
+    for least in ("QUICK", "FULL", "SHARE"):
+        monkeypatch.setattr(monitoring, least, 0.0)
     design, table = tmp_path / "robot.yaml", tmp_path / "drive.csv"
     design.write_text(DESIGN)
     rows = [f"{BEGIN + t},{'' if t >= 80 else 45 if t >= 20 else 30},25" for t in range(100)]
@@ -59,6 +66,16 @@ def oven(tmp_path):
     with serving(design, recordings=(table,), store=str(tmp_path / "past.db")) as served:
         served.post("/api/monitoring/start", {"source": "recordings", "speed": 50})
         yield served
+
+
+def limit_of(svg):
+    """The value at which a picture draws a limit, by the first and the last number beside its upright axis."""
+    drawn = re.findall(r'<path d="M90 ([\d.]+)H700"[^>]* stroke-dasharray="4 2"', svg)
+    numbers = re.findall(r'<text x="84" y="([\d.]+)" text-anchor="end">([^<]+)<', svg)
+    (low, lowest), (high, highest) = ((float(y) - 4, float(number)) for y, number in (numbers[0], numbers[-1]))
+    assert "limit 2e-5<" in svg
+    assert len(drawn) == 1
+    return lowest + (float(drawn[0]) - low) / (high - low) * (highest - lowest)
 
 
 def ask(design, store, *words):
@@ -137,7 +154,17 @@ def test_an_alarm_is_seen_drawn_and_acknowledged(oven, visit, tmp_path):
 
 def test_alarms_are_events_of_the_history(oven, visit):
     look = visit(oven)
-    look.open("live").get_by_text("Recording over").wait_for()
+    page = look.open("live")
+    page.get_by_text("Recording over").wait_for()
+    page.get_by_role("region", name="Hazard rate").get_by_text("limit 2e-5", exact=True).wait_for()
+    with page.expect_download() as taken:
+        page.get_by_role("button", name="Hazard rate as SVG").click()
+    assert limit_of(taken.value.path().read_text()) == pytest.approx(2e-5, rel=0.01)
+    page = look.open("alarms")
+    limits = page.get_by_role("list", name="Limits of the design").get_by_role("listitem")
+    limits.filter(has_text="the robot: hazard rate above 2e-05 /h for 10 s").wait_for()
+    limits.filter(has_text="/motor.temperature: above 40 °C").wait_for()
+    assert limits.count() == 2
     alarms = oven.get("/api/alarms")["alarms"]
     told = [one for one in oven.get("/api/history")["events"] if "alarm" in one["kind"]]
     assert len(told) == 3

@@ -9,6 +9,7 @@ from robophm.core.signal import SECOND
 
 from ..conftest import SMALL, serving
 from ..test_history import BEGIN, fill, lived
+from ..test_honesty import fill as promised_and_noted
 
 __all__ = ["lived"]
 
@@ -81,3 +82,18 @@ def test_cards_of_a_past_that_is_over_do_not_speak_of_yesterday(visit, lived):
     card.get_by_text("in its last month").wait_for()
     card.get_by_text("↑ 8.1 %").wait_for()
     assert page.get_by_text("since yesterday").count() == 0
+
+
+def test_whether_it_was_honest_is_one_click_from_the_overview(visit, tmp_path):
+    design = tmp_path / "courier.yaml"
+    design.write_text(SMALL)
+    promised_and_noted(design, tmp_path / "past.db")
+    with serving(design, seed=1, store=tmp_path / "past.db") as served:
+        look = visit(served)
+        page = look.open("overview")
+        page.get_by_role("link", name="History").click()
+        card = page.get_by_role("region", name="Was it honest?")
+        card.get_by_text("Nothing speaks against what was promised: 3 promised, 4 noted").wait_for()
+        card.get_by_text("Nothing speaks against what was promised: 1.8 promised, 1 noted").wait_for()
+        card.get_by_text("; 1 of others are not counted").wait_for()
+        assert look.serious() == []

@@ -360,7 +360,7 @@ def test_the_space_bar_chooses_once_and_a_new_part_is_of_unknown_rate(served, vi
         assert two.get("/api/design")["document"]["components"]["New component"] == {"rate": "unknown"}
         asked = []
         page.on("filechooser", lambda chooser: asked.append(chooser))
-        look.open("new").locator("label.button").first.focus()
+        look.open("new").get_by_role("button", name="Choose files").focus()
         with page.expect_file_chooser():
             page.keyboard.press("Space")
         page.evaluate("() => new Promise((done) => requestAnimationFrame(() => setTimeout(done)))")

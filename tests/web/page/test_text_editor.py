@@ -113,3 +113,32 @@ def test_what_others_edit_is_taken_in_and_asked_about_where_it_touches_what_is_w
     page.get_by_role("status").get_by_text("As the design is").wait_for()
     assert "31 FPMH" in text.inner_text()
     assert "# mine" not in text.inner_text()
+
+
+def test_a_mistake_of_meaning_stands_at_its_key_among_several_on_its_line(visit, courier):
+    page, _ = begin(visit(courier))
+    write(page, "camera: {rate", "\nlamp: {quantity: 1, rate: 1 kg}")
+    wrong = page.locator(".cm-lintRange-error")
+    wrong.first.wait_for()
+    assert wrong.first.inner_text().startswith("rate: 1 kg")
+
+
+def test_what_was_not_applied_is_there_after_a_reload_and_told_of_before_it_is_lost(visit, courier):
+    look = visit(courier)
+    page, text = begin(look)
+    write(page, "camera: {rate", "   # seen at night")
+    asked = []
+    page.on("dialog", lambda dialog: (asked.append(dialog.type), dialog.accept()))
+    page.reload()
+    text.get_by_text("# seen at night").wait_for()
+    assert asked == ["beforeunload"]
+    page.get_by_role("status").get_by_text("Not applied yet").wait_for()
+    courier.edit({"op": "put", "path": ["modules", "drive", "components", "encoder", "rate"], "value": "5 FPMH"})
+    text.get_by_text("5 FPMH").wait_for()
+    page.get_by_role("button", name="Apply").click()
+    page.get_by_role("status").get_by_text("As the design is").wait_for()
+    both = SMALL.replace("90 FPMH}", "90 FPMH}   # seen at night").replace("2 FPMH}", "5 FPMH}")
+    assert courier.get("/api/design/text")["text"] == both
+    page.reload()
+    page.get_by_role("button", name="Edit as text").wait_for()  # nothing is left to be shown
+    assert asked == ["beforeunload"]

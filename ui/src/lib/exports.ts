@@ -1,5 +1,5 @@
 // What a person takes along: a plot as CSV or SVG, any text as a file.
-import type { Curve } from "../parts/Plot";
+import type { Curve, Limit } from "../parts/Plot";
 import { timeTicks } from "./ticks";
 import { numberText } from "./words";
 
@@ -67,7 +67,7 @@ export function pngOf(canvas: HTMLCanvasElement, curves: Curve[], { title, xLabe
   return new Promise((resolve) => picture.toBlob(resolve));
 }
 
-export function svgOf(curves: Curve[], { title, xLabel, yLabel, log, time = false }: Labels & { log: boolean; time?: boolean }): string {
+export function svgOf(curves: Curve[], { title, xLabel, yLabel, log, time = false, limits = [] }: Labels & { log: boolean; time?: boolean; limits?: Limit[] }): string {
   const [width, height, left, top, right, bottom] = [720, 400, 90, 50, 20, 60];
   const at = (y: number): number => (log ? Math.log10(y) : y);
   const xs = curves.flatMap((one) => one.x);
@@ -98,11 +98,17 @@ export function svgOf(curves: Curve[], { title, xLabel, yLabel, log, time = fals
     const color = COLORS[(one.color ?? i) % 6];
     return `<path d="${d}" fill="none" stroke="${color}" stroke-width="1.8"${one.dashed ? ' stroke-dasharray="6 4"' : ""}/><text x="${left + 10}" y="${top + 16 + 16 * i}" fill="${color}">${escaped(one.name)}</text>`;
   });
+  const bounds = limits.map(({ value, severity }) => {
+    const color = severity === "error" ? "#b3261e" : "#8a6a00";
+    const y = at(value);
+    const line = y >= y0 && y <= y1 ? `<path d="M${left} ${py(y)}H${width - right}" stroke="${color}" stroke-width="1.2" stroke-dasharray="4 2"/>` : "";
+    return { line, says: `<tspan fill="${color}">${severity === "error" ? "limit" : "warning"} ${numberText(value, 5)}${line ? "" : ", out of sight"}</tspan>` };
+  });
   const shares = [0, 0.25, 0.5, 0.75, 1];
   const across = time ? timeTicks(x0, x1, 6) : shares.map((share) => x0 + share * (x1 - x0)).map((at) => ({ at, text: numberText(at, 5) }));
   const ticks = [
     ...across.map(({ at: x, text }) => `<text x="${px(x)}" y="${height - bottom + 18}" text-anchor="middle">${text}</text>`),
     ...shares.map((share) => y0 + share * (y1 - y0)).map((y) => `<text x="${left - 6}" y="${Number(py(y)) + 4}" text-anchor="end">${numberText(log ? 10 ** y : y, 4)}</text>`),
   ];
-  return `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${width} ${height}" font-family="sans-serif" font-size="12"><rect width="${width}" height="${height}" fill="#fff"/><text x="${left}" y="22" font-size="15" font-weight="600">${escaped(title)}</text><text x="${left}" y="40">${escaped(yLabel)}</text><text x="${width / 2}" y="${height - 12}" text-anchor="middle">${escaped(xLabel)}</text><path d="M${left} ${top}V${height - bottom}H${width - right}" fill="none" stroke="#8792a2"/>${ticks.join("")}${paths.join("")}</svg>\n`;
+  return `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 ${width} ${height}" font-family="sans-serif" font-size="12"><rect width="${width}" height="${height}" fill="#fff"/><text x="${left}" y="22" font-size="15" font-weight="600">${escaped(title)}</text><text x="${left}" y="40">${escaped(yLabel)}</text><text x="${width / 2}" y="${height - 12}" text-anchor="middle">${escaped(xLabel)}</text><path d="M${left} ${top}V${height - bottom}H${width - right}" fill="none" stroke="#8792a2"/>${ticks.join("")}${bounds.map((one) => one.line).join("")}${paths.join("")}${bounds.length ? `<text x="${width - right}" y="40" text-anchor="end">${bounds.map((one) => one.says).join(", ")}</text>` : ""}</svg>\n`;
 }

@@ -3,10 +3,11 @@ import { type Alarm, useAlarms } from "../lib/alarms";
 import { post } from "../lib/api";
 import { useHealth } from "../lib/health";
 import { prefer, preferences, sayError, useShared } from "../lib/store";
-import { useVisitor } from "../lib/visitor";
+import { visitor } from "../lib/access";
 import { momentText } from "../lib/words";
 import { Text } from "../parts/Field";
 import { Icon, ICONS } from "../parts/Icon";
+import { OnlyFor } from "../parts/OnlyFor";
 
 export const page = { name: "Alarms", icon: ICONS.bell, order: 55 };
 
@@ -14,8 +15,8 @@ export default function Alarms(): ReactNode {
   const { health } = useHealth();
   const [found, setFound] = useAlarms();
   const { name: typed } = useShared(preferences);
-  const visitor = useVisitor();
-  const name = visitor?.name || typed.trim();
+  const who = useShared(visitor);
+  const name = who?.name || typed.trim();
   const going = found?.alarms.filter((one) => one.end == null) ?? [];
   const ended = found?.alarms.filter((one) => one.end != null) ?? [];
 
@@ -44,9 +45,29 @@ export default function Alarms(): ReactNode {
           <div className="row">
             <h2>Active</h2>
             <span className="grow" />
-            {going.length > 0 && visitor?.name === "" && <Text label="Acknowledge as" placeholder="your name" value={typed} set={(said) => prefer({ name: said })} />}
+            {going.length > 0 && who?.name === "" && <Text label="Acknowledge as" placeholder="your name" value={typed} set={(said) => prefer({ name: said })} />}
           </div>
           <Log alarms={going} none="None at present." label="Active alarms" acknowledge={name ? (one) => void acknowledge(one) : null} />
+        </section>
+      )}
+      {found && found.limits.length > 0 && (
+        <section className="card" style={{ marginTop: 16 }}>
+          <h2>What begins one</h2>
+          <ul className="alarms" aria-label="Limits of the design">
+            {found.limits.map((one, i) => (
+              <li key={i}>
+                <span className={`state ${one.severity}`}>
+                  <Icon name={one.severity} /> {one.severity.toUpperCase()}
+                </span>
+                <span className="grow">
+                  <strong>{one.of || "the robot"}</strong>: {one.rule}
+                </span>
+              </li>
+            ))}
+          </ul>
+          <p className="small quiet">
+            Wear that reaches its threshold, and signals that change or are doubtful, begin one too. Limits are part of the design: <a href="#/settings">those of the robot</a>, all others in its text.
+          </p>
         </section>
       )}
       {ended.length > 0 && (
@@ -82,9 +103,11 @@ function Log({ alarms, none, label, acknowledge }: { alarms: Alarm[]; none: stri
             </span>
           ) : (
             acknowledge !== undefined && (
-              <button disabled={!acknowledge} title={acknowledge ? undefined : "Say who you are first"} onClick={() => acknowledge?.(one)} aria-label={`Acknowledge alarm ${one.number}`}>
-                Acknowledge
-              </button>
+              <OnlyFor role="operator">
+                <button disabled={!acknowledge} title={acknowledge ? undefined : "Say who you are first"} onClick={() => acknowledge?.(one)} aria-label={`Acknowledge alarm ${one.number}`}>
+                  Acknowledge
+                </button>
+              </OnlyFor>
             )
           )}
         </li>

@@ -9,8 +9,10 @@ import { GroupDialog } from "./design/GroupDialog";
 import { Inspector } from "./design/Inspector";
 import { MoveDialog } from "./design/MoveDialog";
 import { RenameDialog } from "./design/RenameDialog";
+import { unapplied } from "./design/text/unapplied";
 import { Tree } from "./design/Tree";
 import "./design/design.css";
+import { OnlyFor } from "../parts/OnlyFor";
 
 const TextEditor = lazy(() => import("./design/text/TextEditor"));
 
@@ -29,6 +31,10 @@ export default function Design(): ReactNode {
   const choose = useCallback((paths: string[]) => setChosen(paths.length ? paths : [""]), []);
 
   const known = design !== null;
+  useEffect(() => {
+    if (design && unapplied(design.history)) setAsText(true);
+    // when the page is opened
+  }, [known]);
   useEffect(() => {
     setChosen([rest]);
     const part = design ? findPart(design, rest) : undefined;
@@ -104,8 +110,10 @@ export default function Design(): ReactNode {
     <div className={asText ? "design as-text" : "design"} onKeyDown={keys}>
       <section className="side" aria-label="Parts of the robot">
         <div className="row tools">
-          <button onClick={() => part && void add("module", part)}>Add module</button>
-          <button onClick={() => part && void add("component", part)}>Add component</button>
+          <OnlyFor role="editor">
+            <button onClick={() => part && void add("module", part)}>Add module</button>
+            <button onClick={() => part && void add("component", part)}>Add component</button>
+          </OnlyFor>
         </div>
         <Tree
           root={tree}
@@ -122,24 +130,26 @@ export default function Design(): ReactNode {
         <div className="row tools">
           <Crumbs level={shownLevel} robot={design.name} show={setLevel} />
           <span className="grow" />
-          <button onClick={startGroup} disabled={parts.length < 2} title="Ctrl+G">
-            Group…
-          </button>
-          <button
-            disabled={!parts.length}
-            onClick={() => void edit([{ op: "ungroup", path: levelPlace(shownLevel), members: parts.map((one) => one.name) }], "Ungroup")}
-          >
-            Ungroup
-          </button>
-          <button disabled={!parts.length} onClick={startMove} title="M, or drag a box">
-            Move…
-          </button>
-          <button disabled={parts.length !== 1} onClick={() => setDialog("rename")} title="F2">
-            Rename
-          </button>
-          <button disabled={!parts.length} onClick={remove} title="Delete">
-            Delete
-          </button>
+          <OnlyFor role="editor">
+            <button onClick={startGroup} disabled={parts.length < 2} title="Ctrl+G">
+              Group…
+            </button>
+            <button
+              disabled={!parts.length}
+              onClick={() => void edit([{ op: "ungroup", path: levelPlace(shownLevel), members: parts.map((one) => one.name) }], "Ungroup")}
+            >
+              Ungroup
+            </button>
+            <button disabled={!parts.length} onClick={startMove} title="M, or drag a box">
+              Move…
+            </button>
+            <button disabled={parts.length !== 1} onClick={() => setDialog("rename")} title="F2">
+              Rename
+            </button>
+            <button disabled={!parts.length} onClick={remove} title="Delete">
+              Delete
+            </button>
+          </OnlyFor>
         </div>
         <Canvas level={shownLevel} chosen={chosen} choose={choose} open={setLevel} />
       </section>

@@ -63,7 +63,8 @@ export default function History(): ReactNode {
         </span>
       </div>
       {wrong && <p className="trouble">{wrong}</p>}
-      <div className="row" style={{ marginBottom: 12 }}>
+      <Honesty asked={`${asked} ${monitoring}`} />
+      <div className="row" style={{ margin: "12px 0" }}>
         <button aria-pressed={!span} onClick={() => setSpan(null)}>
           All
         </button>
@@ -107,6 +108,36 @@ export default function History(): ReactNode {
       <Then at={at ?? to} unit={unit} />
       <Events past={past} look={setAt} />
     </>
+  );
+}
+
+/** How many failures were promised, and how many came. */
+function Honesty({ asked }: { asked: string }): ReactNode {
+  const [found, setFound] = useState<Shapes["Honesty"] | null>(null);
+  useEffect(() => {
+    const ends = new AbortController();
+    get("/api/history/honesty", {}, ends.signal).then(setFound).catch(() => ends.signal.aborted || setFound(null));
+    return () => ends.abort();
+  }, [asked]);
+  if (!found) return null;
+  const spans = found.spans.filter((one, i, all) => i === 0 || one.since < all[0]!.since);
+  return (
+    <section className="card" aria-label="Was it honest?">
+      <h2>Was it honest?</h2>
+      {!spans.length && <p className="quiet">Not to be told: there are no two reports yet, parts of unknown rate are in it, or its figures were revised meanwhile.</p>}
+      {spans.map((one) => (
+        <p key={one.since}>
+          Since {momentText(one.since)}: <b>{one.says}</b>
+          {one.designed != null && <span className="quiet"> (as designed {numberText(one.designed, 2)})</span>}.
+        </p>
+      ))}
+      {spans.length > 0 && (
+        <p className="small quiet">
+          Failures of the robot: promised by its sensor-based hazard rates as they were told then, noted as services of parts that had failed and without which it does not work
+          {found.of_others > 0 && `; ${found.of_others} of others are not counted`}. What nobody noted is not in it. Tasks are on the page <a href="#/tasks">Tasks</a>, predicted beside actual.
+        </p>
+      )}
+    </section>
   );
 }
 

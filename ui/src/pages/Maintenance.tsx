@@ -4,6 +4,7 @@ import { useHealth } from "../lib/health";
 import { sayError, useDesign } from "../lib/store";
 import { durationText, momentText, moreText, numberText } from "../lib/words";
 import { Select } from "../parts/Field";
+import { OnlyFor } from "../parts/OnlyFor";
 import { Table } from "../parts/Table";
 import { Costs } from "./maintenance/Costs";
 import { ServiceDialog } from "./maintenance/ServiceDialog";
@@ -154,9 +155,11 @@ function DueItem({ one, serve }: { one: Due; serve?: () => void }): ReactNode {
 
 function Serve({ one, serve }: { one: Due; serve?: () => void }): ReactNode {
   return (
-    <button disabled={!serve} title={serve ? undefined : "The robot has no past yet"} onClick={serve} aria-label={`Note a service of ${one.part}`}>
-      Note a service
-    </button>
+    <OnlyFor role="operator">
+      <button disabled={!serve} title={serve ? undefined : "The robot has no past yet"} onClick={serve} aria-label={`Note a service of ${one.part}`}>
+        Note a service
+      </button>
+    </OnlyFor>
   );
 }
 

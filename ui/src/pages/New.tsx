@@ -1,4 +1,5 @@
 import { type ReactNode, useEffect, useState } from "react";
+import { useRefusal, visitor } from "../lib/access";
 import { get, post, Refused, type Shapes } from "../lib/api";
 import { pulse } from "../lib/live";
 import { go, replaceText, runExample, say, sayError, useDesign, useDraft, useShared } from "../lib/store";
@@ -12,6 +13,21 @@ import { change, handed, load, said } from "./new/state";
 export const page = { name: "New robot", icon: ICONS.add, order: 85 };
 
 export default function New(): ReactNode {
+  const known = useShared(visitor) !== null;
+  const refusal = useRefusal("editor");
+  if (!known) return <p className="quiet">Loading…</p>;
+  if (!refusal) return <Begin />;
+  return (
+    <>
+      <div className="head">
+        <h1>New robot</h1>
+      </div>
+      <p>{refusal}.</p>
+    </>
+  );
+}
+
+function Begin(): ReactNode {
   const design = useDesign();
   const found = useShared(handed);
   const { draft, wrong, busy } = useDrafted();

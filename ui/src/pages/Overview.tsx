@@ -70,7 +70,7 @@ function Figures({ health }: { health: Health }): ReactNode {
     <>
       {health.sentence && (
         <details className="answer">
-          <summary>{health.sentence}</summary>
+          <summary>{health.sentence.replaceAll(" %", "\u00a0%")}</summary>
           {health.reasons.map((line, i) => (
             <p key={i} className={line.detail ? "small behind" : ""}>{line.text}</p>
           ))}

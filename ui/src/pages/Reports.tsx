@@ -4,6 +4,7 @@ import { offer } from "../lib/exports";
 import { go, replaceText, sayError, useDesign } from "../lib/store";
 import { FileButton } from "../parts/Field";
 import { ICONS } from "../parts/Icon";
+import { OnlyFor } from "../parts/OnlyFor";
 import { Preview } from "../parts/Table";
 
 export const page = { name: "Reports and data", icon: ICONS.report, order: 80 };
@@ -67,7 +68,9 @@ export default function Reports(): ReactNode {
             <a className="button" href="./api/design/download" download={design.file}>
               Download the design
             </a>
-            <FileButton label="Open a design file" accept=".yaml,.yml" take={(one) => void one.text().then((text) => replaceText(text, `Open ${one.name}`)).then((done) => done && go("design")).catch(sayError)} />
+            <OnlyFor role="editor">
+              <FileButton label="Open a design file" accept=".yaml,.yml" take={(one) => void one.text().then((text) => replaceText(text, `Open ${one.name}`)).then((done) => done && go("design")).catch(sayError)} />
+            </OnlyFor>
             <button onClick={() => void get("/api/library/schema").then((schema) => offer("robot.schema.json", "application/json", JSON.stringify(schema, null, 1))).catch(sayError)}>JSON Schema</button>
           </div>
         </section>
@@ -93,7 +96,9 @@ export default function Reports(): ReactNode {
         <section className="card">
           <h2>A file of the 2020 tool</h2>
           <p>phm_configurations_*.yaml becomes a design; what is odd in it is said before anything is changed.</p>
-          <FileButton label="Choose a file" accept=".yaml,.yml" take={look} />
+          <OnlyFor role="editor">
+            <FileButton label="Choose a file" accept=".yaml,.yml" take={look} />
+          </OnlyFor>
           {wrong && (
             <div className="trouble" role="alert">
               {wrong}

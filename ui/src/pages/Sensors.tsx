@@ -5,6 +5,7 @@ import { editWithUndo, route, sayError, useDesign, useShared } from "../lib/stor
 import { everyPart, isValues, treeOf } from "../lib/tree";
 import { numberText, secondsText, unitText } from "../lib/words";
 import { ICONS } from "../parts/Icon";
+import { OnlyFor } from "../parts/OnlyFor";
 import { Table } from "../parts/Table";
 import { Watching } from "../parts/Watching";
 import { BindForm, type Start } from "./sensors/BindForm";
@@ -136,9 +137,11 @@ export default function Sensors(): ReactNode {
                   <td className="number">{heard?.value == null ? "–" : `${numberText(heard.value)} ${unitText(heard.unit)}`}</td>
                   <td>{health?.monitoring === "idle" ? "not watching" : heard?.stale ? <span className="state stale">STALE, {secondsText(heard.age)}</span> : secondsText(heard?.age)}</td>
                   <td>
-                    <button aria-label={`Unbind ${one.kind} of ${one.at || design.name}`} onClick={() => void editWithUndo([{ op: "delete", path: one.place }], `Unbound ${one.kind} of ${one.at || design.name}`)}>
-                      Unbind
-                    </button>
+                    <OnlyFor role="editor">
+                      <button aria-label={`Unbind ${one.kind} of ${one.at || design.name}`} onClick={() => void editWithUndo([{ op: "delete", path: one.place }], `Unbound ${one.kind} of ${one.at || design.name}`)}>
+                        Unbind
+                      </button>
+                    </OnlyFor>
                   </td>
                 </tr>
               );

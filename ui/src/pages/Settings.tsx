@@ -4,6 +4,8 @@ import { change, isValues, treeOf } from "../lib/tree";
 import { RATE_UNITS, type RateUnit } from "../lib/words";
 import { Entry, Select } from "../parts/Field";
 import { ICONS } from "../parts/Icon";
+import { Changes } from "./settings/Changes";
+import { OnlyFor } from "../parts/OnlyFor";
 
 export const page = { name: "Settings", icon: ICONS.settings, order: 90 };
 
@@ -40,33 +42,38 @@ export default function Settings(): ReactNode {
           <h2>Where health is no longer good enough</h2>
           <p className="small quiet">Part of the design; a breach shows as ERROR.</p>
           <div className="fields">
-            {THRESHOLDS.map(([key, name, hint]) => (
-              <Entry
-                key={key}
-                label={name}
-                hint={hint}
-                value={String(limitOf(thresholds[key]) ?? "")}
-                set={(value) => {
-                  const place = isValues(thresholds[key]) ? ["thresholds", key, "limit"] : ["thresholds", key];
-                  const operations = change(root, place, value === "" ? "" : ["hazard_rate", "remaining_life"].includes(key) ? value : number(value));
-                  if (operations.length) void edit(operations, name);
-                }}
-              />
-            ))}
+            <OnlyFor role="editor">
+              {THRESHOLDS.map(([key, name, hint]) => (
+                <Entry
+                  key={key}
+                  label={name}
+                  hint={hint}
+                  value={String(limitOf(thresholds[key]) ?? "")}
+                  set={(value) => {
+                    const place = isValues(thresholds[key]) ? ["thresholds", key, "limit"] : ["thresholds", key];
+                    const operations = change(root, place, value === "" ? "" : ["hazard_rate", "remaining_life"].includes(key) ? value : number(value));
+                    if (operations.length) void edit(operations, name);
+                  }}
+                />
+              ))}
+            </OnlyFor>
           </div>
         </section>
         <section className="card">
           <h2>When the robot is off</h2>
-          <Entry
-            label="Silent for so long, it is off"
-            hint="default 60 s"
-            value={String(root.values.max_gap ?? "")}
-            set={(value) => {
-              const operations = change(root, ["max_gap"], value);
-              if (operations.length) void edit(operations, "Longest gap");
-            }}
-          />
+          <OnlyFor role="editor">
+            <Entry
+              label="Silent for so long, it is off"
+              hint="default 60 s"
+              value={String(root.values.max_gap ?? "")}
+              set={(value) => {
+                const operations = change(root, ["max_gap"], value);
+                if (operations.length) void edit(operations, "Longest gap");
+              }}
+            />
+          </OnlyFor>
         </section>
+        <Changes />
         <section className="card">
           <h2>About</h2>
           <p>

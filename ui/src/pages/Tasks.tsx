@@ -225,6 +225,8 @@ function ArrivedTable({ tasks, add }: { tasks: Shapes["ArrivedTask"][]; add: (ta
           <td className="number">{both(one.actual)}</td>
           <td>
             <button
+              aria-label="Add to the list"
+              title="Add to the list"
               disabled={!one.predicted}
               onClick={() => {
                 const planned = one.predicted!;
@@ -232,7 +234,7 @@ function ArrivedTable({ tasks, add }: { tasks: Shapes["ArrivedTask"][]; add: (ta
                 say("Added to the list for prognostic analysis");
               }}
             >
-              Add to the list
+              Add
             </button>
           </td>
         </tr>

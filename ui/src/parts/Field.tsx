@@ -1,4 +1,4 @@
-import { type InputHTMLAttributes, type ReactNode, useEffect, useId, useState } from "react";
+import { type InputHTMLAttributes, type ReactNode, useEffect, useId, useRef, useState } from "react";
 
 interface Common {
   label: string;
@@ -118,21 +118,17 @@ export function Check({ label, value, set }: { label: string; value: boolean; se
 }
 
 export function FileButton({ label, accept, take, several }: { label: string; accept?: string; take?: (file: File) => void; several?: (files: File[]) => void }): ReactNode {
-  const id = useId();
+  const input = useRef<HTMLInputElement>(null);
   return (
     <>
-      <label className="button" htmlFor={id} tabIndex={0} role="button" onKeyDown={(event) => {
-          if (event.key !== "Enter" && event.key !== " ") return;
-          event.preventDefault(); // else the space bar chooses once more when it is let go
-          document.getElementById(id)?.click();
-        }}>
+      <button type="button" onClick={() => input.current?.click()}>
         {label}
-      </label>
+      </button>
       <input
-        id={id}
-        className="hidden"
+        ref={input}
+        aria-label={label}
+        hidden
         type="file"
-        tabIndex={-1}
         accept={accept}
         multiple={several !== undefined}
         onChange={(event) => {

@@ -4,6 +4,7 @@ import { pulse } from "../lib/live";
 import { edit, useDesign, useShared } from "../lib/store";
 import { Dialog } from "./Dialog";
 import { Icon } from "./Icon";
+import { OnlyFor } from "./OnlyFor";
 
 type Part = Shapes["PastOfPart"];
 
@@ -86,9 +87,11 @@ function PastDialog({ found, close }: { found: Shapes["PastOfDesign"]; close: ()
           </table>
           {asked.length > 0 && (
             <div className="row">
-              <button className="primary" onClick={apply}>
-                Answer
-              </button>
+              <OnlyFor role="editor">
+                <button className="primary" onClick={apply}>
+                  Answer
+                </button>
+              </OnlyFor>
               <button onClick={close}>Leave it</button>
             </div>
           )}

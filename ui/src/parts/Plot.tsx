@@ -123,7 +123,7 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
             },
           ],
           drawClear: [(u) => shade(u, shaded.current ?? []), (u) => mark(u, marked.current.marks ?? [], marked.current.at)],
-            draw: [(u) => rule(u, lines.current ?? [])],
+          draw: [(u) => rule(u, lines.current ?? [])],
           setCursor: [(u) => void (under.current && (under.current.textContent = underCursor(u, time)))],
           setSelect: [
             (u) => {
@@ -221,7 +221,7 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
         <button disabled={!some} onClick={() => offer(`${title}.csv`, "text/csv", csvOf(visible(), xLabel, time))} aria-label={`${title} as CSV, the visible range`}>
           CSV
         </button>
-        <button disabled={!some} onClick={() => offer(`${title}.svg`, "image/svg+xml", svgOf(visible(), { title, xLabel, yLabel, log, time }))} aria-label={`${title} as SVG`}>
+        <button disabled={!some} onClick={() => offer(`${title}.svg`, "image/svg+xml", svgOf(visible(), { title, xLabel, yLabel, log, time, limits }))} aria-label={`${title} as SVG`}>
           SVG
         </button>
         <button

@@ -1,9 +1,11 @@
-import type { ReactNode } from "react";
-import { useVisitor } from "../lib/visitor";
+import { type ReactNode, useEffect } from "react";
+import { askWho, visitor } from "../lib/access";
+import { useShared } from "../lib/store";
 
 /** Who is logged in, in which role, and the way out; nothing where anybody may. */
 export function User(): ReactNode {
-  const user = useVisitor();
+  const user = useShared(visitor);
+  useEffect(askWho, []);
   if (!user?.name) return null;
   const leave = async (): Promise<void> => {
     await fetch("./logout", { method: "POST" });

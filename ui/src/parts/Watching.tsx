@@ -2,6 +2,7 @@ import { type ReactNode, useEffect, useState } from "react";
 import { get, post, type Shapes } from "../lib/api";
 import { pulse } from "../lib/live";
 import { sayError, useDesign, useShared } from "../lib/store";
+import { OnlyFor } from "./OnlyFor";
 
 /** Start and stop of monitoring. It runs in the service, whether a browser looks or not. */
 export function Watching(): ReactNode {
@@ -37,36 +38,40 @@ export function Watching(): ReactNode {
     return (
       <div className="row">
         <span className="quiet small">{found?.source}</span>
-        <button disabled={busy} onClick={() => void run(() => post("/api/monitoring/stop", undefined))}>
-          Stop
-        </button>
+        <OnlyFor role="operator">
+          <button disabled={busy} onClick={() => void run(() => post("/api/monitoring/stop", undefined))}>
+            Stop
+          </button>
+        </OnlyFor>
       </div>
     );
   return (
     <div className="row" role="group" aria-label="Watch the robot">
-      <select aria-label="Source of sensor data" value={source} onChange={(event) => setSource(event.target.value)}>
-        {found?.sources.map((one) => (
-          <option key={one.name} value={one.name}>
-            {one.label}
-          </option>
-        ))}
-      </select>
-      {chosen?.paced && (
-        <select aria-label="Speed" value={speed} onChange={(event) => setSpeed(event.target.value)}>
-          {["1", "2", "5", "10", "50", "200", "1000"].map((one) => (
-            <option key={one} value={one}>
-              {one}× speed
+      <OnlyFor role="operator">
+        <select aria-label="Source of sensor data" value={source} onChange={(event) => setSource(event.target.value)}>
+          {found?.sources.map((one) => (
+            <option key={one.name} value={one.name}>
+              {one.label}
             </option>
           ))}
         </select>
-      )}
-      <button
-        className="primary"
-        disabled={busy || !source || !design?.valid}
-        onClick={() => void run(() => post("/api/monitoring/start", { source, speed: chosen?.paced ? Number(speed) : 1 }))}
-      >
-        Start analysis
-      </button>
+        {chosen?.paced && (
+          <select aria-label="Speed" value={speed} onChange={(event) => setSpeed(event.target.value)}>
+            {["1", "2", "5", "10", "50", "200", "1000"].map((one) => (
+              <option key={one} value={one}>
+                {one}× speed
+              </option>
+            ))}
+          </select>
+        )}
+        <button
+          className="primary"
+          disabled={busy || !source || !design?.valid}
+          onClick={() => void run(() => post("/api/monitoring/start", { source, speed: chosen?.paced ? Number(speed) : 1 }))}
+        >
+          Start analysis
+        </button>
+      </OnlyFor>
     </div>
   );
 }

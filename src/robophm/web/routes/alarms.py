@@ -46,6 +46,10 @@ class StatedLimit(Shape):
     """Name of the series of the value that it limits."""
     severity: Literal["error", "warn"]
     limit: float
+    of: str
+    """Path of a module or a part, or the name of a signal; empty for the robot."""
+    rule: str
+    """Condition that begins an alarm, in words."""
 
 
 class AlarmsOfRobot(Shape):
@@ -71,7 +75,10 @@ def get_alarms(service: Served, most: Annotated[int, Query(ge=1, le=10_000)] = 2
     with service.monitoring.alarm_log(robot) as log:
         going_on = log.alarms(open_only=True)
         alarms = [*going_on, *(one for one in log.alarms(most=most) if one["end"] is not None)]
-    limits = [StatedLimit(series=one.series, severity=one.severity, limit=one.level.limit) for one in limits_of(robot)]
+    limits = [
+        StatedLimit(series=one.series, severity=one.severity, limit=one.level.limit, of=one.path, rule=one.rule)
+        for one in limits_of(robot)
+    ]
     return AlarmsOfRobot(alarms=[_alarm(one) for one in alarms], limits=limits)
 
 

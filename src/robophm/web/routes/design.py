@@ -12,7 +12,6 @@ from robophm.core.yaml_values import values
 from robophm.design import editing, identity_edits
 from robophm.design.identity_edits import NOTHING, Lived, place_at
 from robophm.design.located_error import LocatedError
-from robophm.design.problems import check
 from robophm.design.schema import json_schema
 from robophm.web.access.roles import needs
 from robophm.web.drawing import drawing
@@ -144,9 +143,9 @@ def put_text(asked: WholeText, service: Served) -> DesignState:
 
 @router.post("/check")
 @needs("viewer")
-def check_text(asked: TextToCheck) -> Problems:
-    """Tell what is wrong or odd in the text of a design; the design stays as it is."""
-    return Problems(problems=told(check(asked.text).problems))
+def check_text(asked: TextToCheck, service: Served) -> Problems:
+    """Tell all that is wrong or odd in the text of a design; the design stays as it is."""
+    return Problems(problems=told(service.workspace.checked.problems(asked.text)))
 
 
 @router.get("/schema")

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, HTTPException, Query
 from pydantic import Field
 
+from robophm.calibration.promised_failures import CountedFailures, promised_failures
 from robophm.core.signal import DAY, HOUR, SECOND
 from robophm.stores.figures import FIGURES, Array
 from robophm.stores.store import POINTS
@@ -109,6 +110,33 @@ class Trends(Shape):
     figures: dict[Cards, FigureTrend]
 
 
+class HonestyOfSpan(Shape):
+    """Failures that the sensor-based figures promised over a stretch of time, and those that were noted."""
+
+    since: float
+    """Time of the first report of it [s since the epoch]."""
+    until: float
+    promised: float
+    """Mean number of failures of the robot."""
+    designed: float | None
+    """The same by the nominal figures; null where these do not tell."""
+    noted: int
+    """Failures of parts without which the robot does not work, as they were noted with a service."""
+    chance: float
+    """Chance of a count as far off as this, if the promise was right."""
+    says: str
+    """The verdict in a sentence."""
+
+
+class Honesty(Shape):
+    """Whether what was promised has come true, as far as a history tells."""
+
+    spans: list[HonestyOfSpan]
+    """The last 30 days, then all that is known; without those of which the figures do not tell."""
+    of_others: int
+    """Failures that were noted of parts without which the robot goes on; they are not counted."""
+
+
 @router.get("")
 def get_history(
     service: Served,
@@ -165,6 +193,39 @@ def get_trends(service: Served) -> Trends:
             for name, figure in COURSES.items()
         },
     )
+
+
+@router.get("/honesty")
+def get_honesty(service: Served) -> Honesty:
+    """How many failures the figures promised, over the last 30 days and over all that is known, and how many came."""
+    prepared = service.prepared()
+    found = Honesty(spans=[], of_others=0)
+    if prepared.unknown.get(""):
+        return found
+    with service.monitoring.history() as store:
+        history = store.history(prepared.robot.identity) if store else None
+        if history is None or (newest := history.report_at(2**62)) is None:
+            return found
+        last = newest["time"] + 1
+        stretches = [history.figures(start, last, MOST_POINTS) for start in (last - 30 * DAY, None)]
+    ledger = service.monitoring.last_ledger(prepared.robot)
+    parts = {mode.key: part.path for part in prepared.robot.all_components() for mode in part.modes}
+    failed = {(one.time, parts.get(one.mode, "")) for one in ledger.services if one.failed}
+    alone = [at for at, part in failed if part in prepared.single_points]
+    for series in stretches:
+        promised = promised_failures(series, [one.time for one in ledger.services], "sensor_based")
+        if promised is None:
+            continue
+        begin = int(series.times[0])
+        counted = CountedFailures(promised, sum(begin <= at < last for at in alone))
+        found.spans.append(
+            HonestyOfSpan(
+                since=begin / SECOND, until=newest["time"] / SECOND, promised=promised, noted=counted.noted,
+                chance=counted.chance, says=counted.says,
+                designed=promised_failures(series, [one.time for one in ledger.services], "nominal"),
+            )
+        )  # fmt: skip
+    return found.model_copy(update={"of_others": len(failed) - len(alone)})
 
 
 @router.get("/report", responses={404: {"description": "No report is kept"}})

@@ -5,6 +5,7 @@ import { change, findPart } from "../../lib/tree";
 import { Check, Select, Text } from "../../parts/Field";
 import { LevelSelect } from "../parts/LevelSelect";
 import { CurvePlots } from "./CurvePlots";
+import { OnlyFor } from "../../parts/OnlyFor";
 
 const CHANGES: [string, string][] = [
   ["rate", "another stated rate"], ["quantity", "another quantity"], ["required", "so many of them must work"], ["delete", "without it"],
@@ -59,9 +60,11 @@ export function WhatIf(): ReactNode {
           <button className="primary" type="submit" disabled={!ready}>
             Compare
           </button>
-          <button type="button" disabled={!found} onClick={() => void edit(operations(), `What if: ${kind} of ${part?.name ?? ""}`).then(() => setFound(null))}>
-            Make it so
-          </button>
+          <OnlyFor role="editor">
+            <button type="button" disabled={!found} onClick={() => void edit(operations(), `What if: ${kind} of ${part?.name ?? ""}`).then(() => setFound(null))}>
+              Make it so
+            </button>
+          </OnlyFor>
         </div>
       </form>
       {wrong && (

@@ -4,6 +4,7 @@ import { edit, go, useUnit } from "../../lib/store";
 import { change, isValues, type Part } from "../../lib/tree";
 import { durationText, marked, rateText } from "../../lib/words";
 import { Check, Entry, Select } from "../../parts/Field";
+import { OnlyFor } from "../../parts/OnlyFor";
 import { ProblemsHere } from "../../parts/Problems";
 import { Life } from "./Life";
 import { RateOf } from "./RateOf";
@@ -42,8 +43,10 @@ export function Inspector({ part, several, design, editText }: { part: Part; sev
         </p>
       )}
       {mine.length > 0 && <ProblemsHere problems={mine} />}
-      <Entry label="Description" value={text("description")} set={(value) => put(["description"], value, `Describe ${part.name}`)} />
-      {part.kind === "component" ? <OfComponent part={part} put={put} /> : <OfLevel part={part} put={put} />}
+      <OnlyFor role="editor">
+        <Entry label="Description" value={text("description")} set={(value) => put(["description"], value, `Describe ${part.name}`)} />
+        {part.kind === "component" ? <OfComponent part={part} put={put} /> : <OfLevel part={part} put={put} />}
+      </OnlyFor>
       <h3 style={{ marginTop: 12 }}>Sensors bound here</h3>
       <Bound part={part} />
       <p>

@@ -3,6 +3,7 @@ import { get, post, type Shapes } from "../../lib/api";
 import { say, sayError } from "../../lib/store";
 import { durationText, numberText } from "../../lib/words";
 import { Area, FileButton, Text } from "../../parts/Field";
+import { OnlyFor } from "../../parts/OnlyFor";
 import { Table } from "../../parts/Table";
 import type { Upkeep } from "../Maintenance";
 
@@ -41,11 +42,13 @@ export function Costs({ kept, state, set }: { kept: string; state: number; set: 
         <summary>Costs of parts</summary>
         <Area label="Table of costs, comma-separated: part, preventive, corrective, and more" rows={6} value={text} set={setText} />
         <div className="row">
-          <button className="primary" disabled={!text.trim() || text === kept || text === EXAMPLE} onClick={() => void keep(text)}>
-            Keep costs
-          </button>
-          <FileButton label="From a file…" accept=".csv,text/csv" take={(file) => void file.text().then(setText)} />
-          {kept && <button onClick={() => void keep("")}>Remove</button>}
+          <OnlyFor role="editor">
+            <button className="primary" disabled={!text.trim() || text === kept || text === EXAMPLE} onClick={() => void keep(text)}>
+              Keep costs
+            </button>
+            <FileButton label="From a file…" accept=".csv,text/csv" take={(file) => void file.text().then(setText)} />
+            {kept && <button onClick={() => void keep("")}>Remove</button>}
+          </OnlyFor>
         </div>
       </details>
       {kept && <Text label="An hour of standstill costs" inputMode="decimal" value={hour} set={setHour} wrong={wrong ? "expected a cost of 0 or more" : undefined} />}

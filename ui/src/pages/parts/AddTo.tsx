@@ -4,6 +4,7 @@ import { findPart, freeName, type Values } from "../../lib/tree";
 import { Dialog } from "../../parts/Dialog";
 import { Text } from "../../parts/Field";
 import { LevelSelect } from "./LevelSelect";
+import { OnlyFor } from "../../parts/OnlyFor";
 
 /** Where a new component goes, what it is called, and how many there are. */
 export function AddTo({ hazard, wanted, close }: { hazard: Values; wanted: string; close: () => void }): ReactNode {
@@ -29,9 +30,11 @@ export function AddTo({ hazard, wanted, close }: { hazard: Values; wanted: strin
         <LevelSelect label="Into" value={level} set={setLevel} />
         <Text label="Name" value={name} set={setName} />
         <Text label="Quantity" inputMode="numeric" value={quantity} set={setQuantity} wrong={wrong} />
-        <button className="primary" type="submit">
-          Add
-        </button>
+        <OnlyFor role="editor">
+          <button className="primary" type="submit">
+            Add
+          </button>
+        </OnlyFor>
       </form>
     </Dialog>
   );

@@ -2,6 +2,7 @@ import { type ReactNode, useState } from "react";
 import { type Shapes, upload } from "../../lib/api";
 import { go, replaceText, sayError } from "../../lib/store";
 import { FileButton, Select } from "../../parts/Field";
+import { OnlyFor } from "../../parts/OnlyFor";
 import { Preview } from "../../parts/Table";
 import { LevelSelect } from "./LevelSelect";
 
@@ -30,10 +31,12 @@ export function ImportParts(): ReactNode {
   const headers = found ? [...Object.values(found.mapping), ...found.unused] : [];
   return (
     <div className="stack">
-      <div className="row">
-        <FileButton label={file ? `Other list than ${file.name}` : "Choose a parts list"} accept=".csv,.tsv,.xlsx,.ods,.txt" take={(one) => void look(one, {}, module)} />
-        <span className="small quiet">.csv, .xlsx or .ods as KiCad, Altium and offices export them. Nothing is changed before you say so.</span>
-      </div>
+      <OnlyFor role="editor">
+        <div className="row">
+          <FileButton label={file ? `Other list than ${file.name}` : "Choose a parts list"} accept=".csv,.tsv,.xlsx,.ods,.txt" take={(one) => void look(one, {}, module)} />
+          <span className="small quiet">.csv, .xlsx or .ods as KiCad, Altium and offices export them. Nothing is changed before you say so.</span>
+        </div>
+      </OnlyFor>
       {wrong && (
         <div className="trouble" role="alert">
           {wrong}

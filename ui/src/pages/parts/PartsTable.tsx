@@ -6,6 +6,7 @@ import { everyPart, findPart, freeName, insteadOfRate, isValues, type Part, tree
 import { marked, rateText } from "../../lib/words";
 import { Dialog } from "../../parts/Dialog";
 import { Area, useTyping } from "../../parts/Field";
+import { OnlyFor } from "../../parts/OnlyFor";
 import { Table } from "../../parts/Table";
 import { LevelSelect } from "./LevelSelect";
 
@@ -26,7 +27,9 @@ export function PartsTable(): ReactNode {
     <>
       <div className="row" style={{ marginBottom: 10 }}>
         <input type="search" aria-label="Find a part" placeholder="Find a part" value={text} onChange={(event) => setText(event.target.value)} />
-        <button onClick={() => setPaste(true)}>Paste from a spreadsheet…</button>
+        <OnlyFor role="editor">
+          <button onClick={() => setPaste(true)}>Paste from a spreadsheet…</button>
+        </OnlyFor>
         <button onClick={() => offer(`${design.name} parts.csv`, "text/csv", csv(parts, design.levels, design.unknown))}>Parts as CSV</button>
         <span className="quiet small">
           {shown.length} of {parts.length}
@@ -62,7 +65,7 @@ export function PartsTable(): ReactNode {
 function Cell({ label, value, set }: { label: string; value: string; set: (value: string) => void }): ReactNode {
   const typing = useTyping(value, set);
   return (
-    <>
+    <OnlyFor role="editor">
       <input
         aria-label={label}
         value={typing.text}
@@ -74,7 +77,7 @@ function Cell({ label, value, set }: { label: string; value: string; set: (value
         }}
       />
       {typing.meanwhile && <span className="small wrong" role="alert">{typing.meanwhile}</span>}
-    </>
+    </OnlyFor>
   );
 }
 

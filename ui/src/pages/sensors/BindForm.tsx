@@ -4,6 +4,7 @@ import { edit, say, sayError, useDesign } from "../../lib/store";
 import { everyPart, findPart, isValues, treeOf } from "../../lib/tree";
 import { Select, Text } from "../../parts/Field";
 import { LevelSelect } from "../parts/LevelSelect";
+import { OnlyFor } from "../../parts/OnlyFor";
 
 export interface Start {
   level: string;
@@ -97,9 +98,11 @@ export function BindForm({ start }: { start: Start }): ReactNode {
         </>
       )}
       <div className="row">
-        <button className="primary" type="submit" disabled={!topic || !field || !part || !!wrongRange}>
-          Bind
-        </button>
+        <OnlyFor role="editor">
+          <button className="primary" type="submit" disabled={!topic || !field || !part || !!wrongRange}>
+            Bind
+          </button>
+        </OnlyFor>
         <button type="button" disabled={!topic || !field} onClick={() => void test()}>
           Test
         </button>

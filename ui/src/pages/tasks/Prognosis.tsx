@@ -3,6 +3,7 @@ import { get, post, remove, type Shapes } from "../../lib/api";
 import { sayError } from "../../lib/store";
 import { chanceWords, percentText } from "../../lib/words";
 import { Check, Text } from "../../parts/Field";
+import { OnlyFor } from "../../parts/OnlyFor";
 import { Plot } from "../../parts/Plot";
 
 /** The list again and again, the exposure carried on. */
@@ -52,12 +53,14 @@ export function Prognosis({ tasks, ready }: { tasks: Shapes["SaidTask"][]; ready
           <Text label="PoTC is to be at least" inputMode="decimal" value={threshold} set={setThreshold} wrong={wrongLimit} />
         </div>
         <div className="row">
-          <button className="primary" type="submit" disabled={!ready || running || !!wrongRuns || !!wrongLimit}>
-            Start
-          </button>
-          <button type="button" disabled={!running} onClick={() => job && void remove("/api/jobs/{number}", { number: job.number }).then(setJob).catch(sayError)}>
-            Cancel
-          </button>
+          <OnlyFor role="operator">
+            <button className="primary" type="submit" disabled={!ready || running || !!wrongRuns || !!wrongLimit}>
+              Start
+            </button>
+            <button type="button" disabled={!running} onClick={() => job && void remove("/api/jobs/{number}", { number: job.number }).then(setJob).catch(sayError)}>
+              Cancel
+            </button>
+          </OnlyFor>
           <Check label="show 1 − PoTC, logarithmic" value={log} set={setLog} />
         </div>
       </form>

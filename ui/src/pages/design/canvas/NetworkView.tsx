@@ -9,6 +9,7 @@ import { isValues, type Part } from "../../../lib/tree";
 import { marked, rateText } from "../../../lib/words";
 import { Asking } from "../../../parts/Dialog";
 import { Select, Text } from "../../../parts/Field";
+import { OnlyFor } from "../../../parts/OnlyFor";
 
 type Kind = "part" | "junction" | "end";
 type PlaceNode = Node<{ name: string; kind: Kind; detail: string; chosen: boolean }, "place">;
@@ -165,52 +166,56 @@ export function NetworkView({ level, place, network, chosen, choose }: Props): R
         <Controls showInteractive={false} />
       </ReactFlow>
       <div className="below small">
-        <button onClick={() => setDialog("link")}>Add a link…</button>
-        <button onClick={() => setDialog("node")}>Add a node…</button>
+        <OnlyFor role="editor">
+          <button onClick={() => setDialog("link")}>Add a link…</button>
+          <button onClick={() => setDialog("node")}>Add a node…</button>
+        </OnlyFor>
         <span className="quiet hint-line">Drag from a dot to another node: a link. It works while a path of working parts leads from {network.from} to {network.to}.</span>
       </div>
       <details className="links small" open={!!link || undefined}>
         <summary>
           {joins.length} links, {names.length} nodes
         </summary>
-        <ul aria-label="Links">
-          {joins.map((join) => (
-            <li key={idOf(join)} className={idOf(join) === link ? "chosen" : ""}>
-              <span>{wordsOf(join)}</span>
-              <button onClick={() => put(withOther(network, join, { oneWay: !join.oneWay }), `${wordsOf(join)} ${join.oneWay ? "both ways" : "one way"}`)}>{join.oneWay ? "Both ways" : "One way"}</button>
-              {join.oneWay && <button onClick={() => put(withOther(network, join, { start: join.end, end: join.start }), `Turned ${wordsOf(join)}`)}>Turn</button>}
-              {isValues(join.through) ? (
-                <span className="quiet">through parts, as text</span>
-              ) : (
-                <select
-                  aria-label={`What on ${wordsOf(join)} may fail`}
-                  value={typeof join.through === "string" ? join.through : ""}
-                  onChange={(event) => put(withOther(network, join, { through: event.target.value || undefined }), `What on ${wordsOf(join)} may fail`)}
-                >
-                  <option value="">nothing on it fails</option>
-                  {level.parts.filter((one) => one.name === join.through || !names.includes(one.name)).map((one) => (
-                    <option key={one.name} value={one.name}>
-                      through {one.name}
-                    </option>
-                  ))}
-                </select>
-              )}
-              <button className="icon" aria-label={`Remove the link ${wordsOf(join)}`} title="Remove" onClick={() => remove(idOf(join))}>
-                ×
-              </button>
-            </li>
-          ))}
-        </ul>
-        <ul aria-label="Nodes">
-          {names.filter((name) => name !== network.from && name !== network.to).map((name) => (
-            <li key={name}>
-              <span>{name}</span>
-              <button aria-label={`Take ${name} out of the network`} onClick={() => put(withoutNode(network, name), `Took ${name} out of the network`)}>
-                Take out
-              </button>
-            </li>
-          ))}
-        </ul>
+        <OnlyFor role="editor">
+          <ul aria-label="Links">
+            {joins.map((join) => (
+              <li key={idOf(join)} className={idOf(join) === link ? "chosen" : ""}>
+                <span>{wordsOf(join)}</span>
+                <button onClick={() => put(withOther(network, join, { oneWay: !join.oneWay }), `${wordsOf(join)} ${join.oneWay ? "both ways" : "one way"}`)}>{join.oneWay ? "Both ways" : "One way"}</button>
+                {join.oneWay && <button onClick={() => put(withOther(network, join, { start: join.end, end: join.start }), `Turned ${wordsOf(join)}`)}>Turn</button>}
+                {isValues(join.through) ? (
+                  <span className="quiet">through parts, as text</span>
+                ) : (
+                  <select
+                    aria-label={`What on ${wordsOf(join)} may fail`}
+                    value={typeof join.through === "string" ? join.through : ""}
+                    onChange={(event) => put(withOther(network, join, { through: event.target.value || undefined }), `What on ${wordsOf(join)} may fail`)}
+                  >
+                    <option value="">nothing on it fails</option>
+                    {level.parts.filter((one) => one.name === join.through || !names.includes(one.name)).map((one) => (
+                      <option key={one.name} value={one.name}>
+                        through {one.name}
+                      </option>
+                    ))}
+                  </select>
+                )}
+                <button className="icon" aria-label={`Remove the link ${wordsOf(join)}`} title="Remove" onClick={() => remove(idOf(join))}>
+                  ×
+                </button>
+              </li>
+            ))}
+          </ul>
+          <ul aria-label="Nodes">
+            {names.filter((name) => name !== network.from && name !== network.to).map((name) => (
+              <li key={name}>
+                <span>{name}</span>
+                <button aria-label={`Take ${name} out of the network`} onClick={() => put(withoutNode(network, name), `Took ${name} out of the network`)}>
+                  Take out
+                </button>
+              </li>
+            ))}
+          </ul>
+        </OnlyFor>
       </details>
       {dialog === "link" && <LinkDialog names={names} close={() => setDialog("")} done={connect} />}
       {dialog === "node" && (

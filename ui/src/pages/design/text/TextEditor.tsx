@@ -14,6 +14,8 @@ import { checked, completion, explained } from "./help";
 import { look } from "./look";
 import { positionOf } from "./place";
 import { type Node, Schema } from "./keys";
+import { keep, unapplied } from "./unapplied";
+import { OnlyFor } from "../../../parts/OnlyFor";
 
 /** Typing over a selection: the browser would keep the look of what was there by an inline style, which the service's policy refuses. */
 const typedOver = EditorView.domEventHandlers({
@@ -48,9 +50,6 @@ const usual = (schema: Schema): Extension[] => [
   keymap.of([...closeBracketsKeymap, ...defaultKeymap, ...searchKeymap, ...historyKeymap, ...foldKeymap, ...completionKeymap, ...lintKeymap, indentWithTab]),
 ];
 
-/** What was written and not applied yet, for as long as the page is open. */
-let left: { text: string; followed: Followed } | null = null;
-
 /** The design file as text; `place` is what to show first. */
 export default function TextEditor({ place, close }: { place: string[]; close: () => void }): ReactNode {
   const design = useDesign();
@@ -58,6 +57,15 @@ export default function TextEditor({ place, close }: { place: string[]; close: (
   const open = useRef<{ view: EditorView; followed: Followed } | null>(null);
   const [changed, setChanged] = useState(false);
   const [conflict, setConflict] = useState(false);
+  const history = design?.history ?? 0;
+
+  /** Say whether the text is the design's, and keep it where it is not. */
+  const compare = useRef((view: EditorView, followed: Followed): void => {
+    const { base, revision } = followed;
+    const text = view.state.doc.toString();
+    setChanged(text !== base);
+    keep(history, text === base ? null : { text, base, revision });
+  }).current;
 
   async function apply(): Promise<boolean> {
     if (!open.current) return false;
@@ -83,11 +91,12 @@ export default function TextEditor({ place, close }: { place: string[]; close: (
     const ended = new AbortController();
     const begin = async (): Promise<void> => {
       const [schema, text] = await Promise.all([get("/api/design/schema", {}, ended.signal), get("/api/design/text", {}, ended.signal)]);
-      const kept = left;
-      const followed = kept?.followed ?? new Followed(text.text, text.revision);
+      const kept = unapplied(history);
+      const followed = new Followed(text.text, text.revision);
+      if (kept) followed.begin(kept.base, kept.revision, kept.text);
       const own = [
         followed.listener,
-        EditorView.updateListener.of((update) => update.docChanged && setChanged(update.state.doc.toString() !== followed.base)),
+        EditorView.updateListener.of((update) => update.docChanged && compare(update.view, followed)),
         keymap.of([{ key: "Mod-s", preventDefault: true, run: () => act.current.save() }]),
       ];
       const state = EditorState.create({ doc: kept?.text ?? text.text, extensions: [...own, ...usual(new Schema(schema as Node))] });
@@ -95,17 +104,14 @@ export default function TextEditor({ place, close }: { place: string[]; close: (
       const at = positionOf(view.state, act.current.place);
       view.dispatch({ selection: { anchor: at }, effects: EditorView.scrollIntoView(at, { y: "start", yMargin: 20 }) });
       open.current = { view, followed };
-      setChanged(view.state.doc.toString() !== followed.base);
       setConflict(!followed.take(view, text.text, text.revision));
+      compare(view, followed);
       view.focus();
     };
     begin().catch((error) => ended.signal.aborted || sayError(error));
     return () => {
       ended.abort();
-      const was = open.current;
-      const text = was?.view.state.doc.toString();
-      left = was && text !== undefined && text !== was.followed.base ? { text, followed: was.followed } : null;
-      was?.view.destroy();
+      open.current?.view.destroy();
       open.current = null;
     };
   }, []);
@@ -118,7 +124,7 @@ export default function TextEditor({ place, close }: { place: string[]; close: (
       const now = await get("/api/design/text", {}, ended.signal);
       const { view, followed } = open.current;
       setConflict(!followed.take(view, now.text, now.revision));
-      setChanged(view.state.doc.toString() !== followed.base);
+      compare(view, followed);
     };
     follow().catch((error) => ended.signal.aborted || sayError(error));
     return () => ended.abort();
@@ -131,15 +137,17 @@ export default function TextEditor({ place, close }: { place: string[]; close: (
     if (theirs) view.dispatch({ changes: { from: 0, to: view.state.doc.length, insert: now.text } });
     followed.begin(now.text, now.revision, view.state.doc.toString());
     setConflict(false);
-    setChanged(view.state.doc.toString() !== now.text);
+    compare(view, followed);
   }
 
   return (
     <>
       <div className="row tools">
-        <button className="primary" disabled={!changed || conflict} onClick={() => void apply()}>
-          Apply
-        </button>
+        <OnlyFor role="editor">
+          <button className="primary" disabled={!changed || conflict} onClick={() => void apply()}>
+            Apply
+          </button>
+        </OnlyFor>
         <button disabled={!changed} onClick={() => void settle(true)} title="Ctrl+Z in the text brings it back">
           Revert
         </button>

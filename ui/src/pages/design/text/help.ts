@@ -33,12 +33,10 @@ export const explained = (schema: Schema): Extension =>
     return { pos: key.from, end: key.to, create };
   });
 
-/** Where in the text a problem is: its column, else the key that it is of, else its line; without a line, the first. */
+/** Where in the text a problem is; without a line, its first. */
 function diagnostic(state: EditorState, problem: Problem): Diagnostic {
   const line = state.doc.line(Math.min(Math.max(problem.line ?? 1, 1), state.doc.lines));
-  const key = problem.place.at(-1);
-  const said = key === undefined ? -1 : line.text.indexOf(key);
-  const from = line.from + Math.min(problem.column ? problem.column - 1 : said >= 0 ? said : line.text.search(/\S|$/), line.length);
+  const from = line.from + Math.min(problem.column ? problem.column - 1 : line.text.search(/\S|$/), line.length);
   return { from, to: Math.max(line.to, from), severity: problem.level, message: problem.message, source: problem.place.join("/") || undefined };
 }
 
