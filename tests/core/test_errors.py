@@ -39,6 +39,11 @@ def test_nearest():
     assert nearest("power rectifer", ["power_rectifier", "Power-Rectifier"]) == "; did you mean 'power_rectifier'?"
 
 
+def test_a_word_of_a_name_may_be_what_is_meant():
+    assert nearest("lidr", ["lidar_2d", "camera", "lidar_3d"]) == "; did you mean 'lidar_2d' or 'lidar_3d'?"
+    assert nearest("an", ["fan_axial", "heater"]) == "; known: fan_axial, heater"
+
+
 @pytest.mark.parametrize(
     ("said", "meant"),
     [

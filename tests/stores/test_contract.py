@@ -172,6 +172,15 @@ def test_what_is_no_address_is_refused(address: Any) -> None:
         open_store(address)
 
 
+def test_a_kind_of_store_that_is_misspelt_makes_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(StoreError, match=r"no kind of store 'sqlte'; did you mean 'sqlite'"):
+        open_store("sqlte:past.db")
+    assert not list(tmp_path.iterdir())
+    with open_store("./sqlte:past.db"):
+        assert [one.name for one in tmp_path.iterdir() if ":" in one.name]
+
+
 def test_a_store_that_is_not_there(tmp_path: Path) -> None:
     for address in (tmp_path / "robots.db", f"sqlite:{tmp_path / 'robots.db'}", "memory:"):
         with pytest.raises(StoreError, match=r"no such store$"):

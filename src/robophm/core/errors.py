@@ -112,7 +112,8 @@ def _shared(one: str, other: str) -> int:
 
 
 def _meant(name: str, names: list[str]) -> list[str]:
-    """The known names that this one may mean: a slip away from it, or from its last step; or one begins the other."""
+    """The known names that this one may mean: a slip away from it, from its last step or from a word of it; or one
+    begins the other."""
     said = _folded(name)
     folded = {_folded(other): other for other in reversed(names)}  # of two spellings the first
     whole = {other: form for form, other in reversed(folded.items())}
@@ -124,7 +125,14 @@ def _meant(name: str, names: list[str]) -> list[str]:
             meant = [other for other, count in found.items() if count == fewest]
             return sorted(meant) if len(meant) <= MOST_MEANT else []
     begun = [other for other, form in whole.items() if _begins(said, form) or _begins(form, said)]
-    return begun if len(begun) == 1 else []
+    if len(begun) == 1:
+        return begun
+    near = [other for other, form in whole.items() if any(_is_word(said, word) for word in form.split())]
+    return sorted(near) if len(near) <= MOST_MEANT else []
+
+
+def _is_word(said: str, word: str) -> bool:
+    return len(said) > 3 and len(word) > 3 and slips(said, word) is not None
 
 
 def _folded(name: str) -> str:

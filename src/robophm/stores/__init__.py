@@ -8,9 +8,10 @@ progress of replays and new reports in one step: after a crash all of it is ther
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 from robophm.core.argument_checks import shown
-from robophm.core.errors import RobophmError, StoreError
+from robophm.core.errors import RobophmError, StoreError, nearest
 from robophm.core.registry import load_class, plugs
 from robophm.stores.store import Restored, Store
 
@@ -74,7 +75,12 @@ def _split(address: Address) -> tuple[str, str]:
     if not isinstance(address, str | os.PathLike) or not isinstance(text := os.fspath(address), str) or not text:
         raise StoreError(f"store {shown(address)}: expected a path, or its kind and where it is, sqlite:robots.db")
     name, colon, where = text.partition(":")
-    return (name, where) if colon and name in stores() else ("sqlite", text)
+    if colon and name in stores():
+        return name, where
+    if colon and len(name) > 1 and name.isalpha() and not Path(text).exists():  # one letter is a drive of Windows
+        raise StoreError(f"store {text:.60}: no kind of store '{name:.60}'{nearest(name, stores())}; "
+                         f"a file of that name is ./{text:.60}")  # fmt: skip
+    return "sqlite", text
 
 
 def _kind_and_place(address: Address) -> tuple[type[Store], str]:
