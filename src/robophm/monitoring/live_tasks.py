@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from functools import reduce
 
 from robophm.core.signal import HOUR
-from robophm.health.ledger import Ledger
+from robophm.health.ledger import Ledger, Step
 from robophm.health.mission import completion
 from robophm.health.outlooks import outlooks
 from robophm.health.report import VIEWS
@@ -53,6 +54,7 @@ class LiveTasks:
         copy = ledger.copy()
         wear = self._wear.latest(copy)
         copy.pending, copy.wear = Window(), {}
+        copy.recent = [reduce(Step.then, copy.recent)] if copy.recent else []  # summed alone, and large as it is
         self._past.append((now, copy, wear))
         kept: list[tuple[int, Ledger, Sequence[SeenWear]]] = []
         for (at, then, seen), following in zip(self._past, [*self._past[1:], None], strict=True):
