@@ -3,6 +3,7 @@
 import io
 import random
 import sys
+import time
 import warnings
 from pathlib import Path
 
@@ -80,12 +81,32 @@ def test_damaged_designs_are_read_alike_or_not_at_all(designs):
 
 
 def test_any_tokens_are_read_alike_or_not_at_all():
-    draw, quickly = random.Random(6), 0
+    draw, quickly, aliases = random.Random(6), 0, 0
     for _ in range(3000):
-        text = "a:\n  " + "".join(draw.choice(TOKENS) for _ in range(draw.randrange(1, 12)))
+        anchored = draw.choice(("", "x: &a 1\n", "x: &a [1]\n"))
+        text = f"{anchored}a:\n  " + "".join(draw.choice(TOKENS) for _ in range(draw.randrange(1, 12)))
         text = text.rstrip("\n") + "\n" * draw.randrange(2)
-        quickly += agree(text)
+        agreed = agree(text)
+        quickly += agreed
+        aliases += agreed and "*a" in text
     assert quickly > 100
+    assert aliases > 5
+
+
+@pytest.mark.parametrize(
+    ("text", "quickly"),
+    [
+        ("a: &a {b: &b [1, 2]}\nc: *a\nd: [*b, *b]\n", True), ("a: &a\n  b: 1\nc:\n  - *a\n", True),
+        ("a: &a [*a]\n", False), ("a: *b\n", False), ("a: &a 1\nb: &a 2\n", False), ("a: &a 1\n*a : 2\n", False),
+        ("a: &1:2\n", False),
+    ],
+)  # fmt: skip
+def test_anchors_are_read_alike_or_not_at_all(text, quickly):
+    """YAML 1.2 §7.1; what refers to itself, to nothing or is a key is left to ruamel.yaml."""
+    try:
+        assert agree(text) is quickly
+    except YAMLError:
+        assert not quickly
 
 
 @pytest.mark.parametrize(
@@ -161,8 +182,36 @@ def test_what_is_read_slowly_is_bounded(monkeypatch):
     monkeypatch.setattr(nodes, "MAX_SLOW_NODES", 100)
     many = f"b: [{', '.join(['1'] * 101)}]\n"
     assert len(yaml_values.values(many, "plain.yaml")[0]["b"]) == 101
-    with pytest.raises(DesignError, match=r"^slow\.yaml:2: has more than .* keys and values up to here"):
-        yaml_values.values(f"a: &a 1\n{many}", "slow.yaml")
+    with pytest.raises(DesignError, match=r"^slow\.yaml:2: has more than .*; .* no tags, tabs .* first is in line 1"):
+        yaml_values.values(f"a: !x 1\n{many}", "slow.yaml")
+
+
+LONG = 18_000_000
+"""Characters of a text just within what a file may have."""
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("a: !x 1\n" + "# word\n" * (LONG // 7), r"slow:\d+: has more than 2,000,000 characters .* in line 1$"),
+        ("a: 1\n" * 2_000 + "b: !x " + "word " * (LONG // 5) + "\n", "characters .* first is in line 2001$"),
+        ("a: &a 1\nb: [" + "*a," * (LONG // 3) + "*a]\n", "slow:2: unfolds to more than 1,000,000 values"),
+    ],
+    ids=["remarks", "words", "aliases"],
+)
+def test_a_long_text_is_refused_in_seconds(text, says):
+    """By ruamel.yaml alone these took 10 to 30 s; a second each by processor time, on a machine that does no more."""
+    begun = time.process_time()
+    with pytest.raises(DesignError, match=says):
+        yaml_values.values(text, "slow")
+    assert time.process_time() - begun < 8
+
+
+def test_a_long_text_with_an_anchor_is_read_as_quickly_as_one_without():
+    text = 'a: &a 1\nb: *a\nc: "' + "word " * (LONG // 5) + '"\n'
+    begun = time.process_time()
+    assert yaml_values.values(text, "long")[0]["b"] == 1
+    assert time.process_time() - begun < 4
 
 
 @pytest.mark.parametrize("digits", ["0x" + "f" * 5000, "0o" + "7" * 5000, "9" * 5000])

@@ -20,6 +20,9 @@ MAX_VALUES = 1_000_000
 MAX_SLOW_NODES = 200_000
 """The most keys and values of a text that ruamel.yaml alone can read: each takes it 25 µs and a kilobyte."""
 
+MAX_SLOW_CHARACTERS = 2_000_000
+"""The most characters of such a text, remarks and blanks among them: a million takes it a second."""
+
 MAX_DEPTH = 100
 
 
@@ -57,35 +60,41 @@ def uncollected() -> Iterator[None]:
 def compose(text: str) -> Any:
     """The root node of a text, None where it is empty.
 
-    Raises ruamel.yaml's YAMLError, ValueError, RecursionError; TooManyNodesError beyond MAX_SLOW_NODES.
+    Raises ruamel.yaml's YAMLError, ValueError, RecursionError; TooMuchError beyond MAX_VALUES, or what is read slowly.
     """
     try:
         return quick(text)
-    except Unsure:
-        return bounded_reader("safe").compose(io.StringIO(text))
+    except Unsure as unsure:
+        try:
+            return bounded_reader("safe").compose(io.StringIO(text))
+        except TooMuchError as error:
+            first = "" if unsure.line is None else f", of which the first is in line {unsure.line + 1}"
+            raise TooMuchError(f"{error}; expected fewer, or no tags, tabs and faults{first}", error.line) from None
 
 
 def bounded_reader(typ: str) -> Any:
-    """The reader of ruamel.yaml of this type, as it is but that it raises TooManyNodesError beyond MAX_SLOW_NODES."""
+    """The reader of ruamel.yaml of this type, for a stream; it raises TooMuchError beyond MAX_SLOW_NODES or
+    MAX_SLOW_CHARACTERS, as soon as it comes to them."""
     from ruamel.yaml import YAML
 
     reader = YAML(typ=typ, pure=True)
-    reader.Composer = _bounded_composer()
+    reader.Composer, reader.Reader = _bounded_classes()
     return reader
 
 
-class TooManyNodesError(Exception):
-    """Raised for a text of too many keys and values; ``line`` is where they become too many, from 0."""
+class TooMuchError(Exception):
+    """Raised for a text of which there is too much to read on; ``line`` is where it becomes too much, from 0."""
 
-    def __init__(self, line: int) -> None:
-        super().__init__(line)
+    def __init__(self, says: str, line: int) -> None:
+        super().__init__(says)
         self.line = line
 
 
 @cache
-def _bounded_composer() -> Any:
-    """The composer of ruamel.yaml, which has no bound, with one."""
+def _bounded_classes() -> tuple[Any, Any]:
+    """The composer and the reader of characters of ruamel.yaml, which have no bounds, with theirs."""
     from ruamel.yaml.composer import Composer
+    from ruamel.yaml.reader import Reader
 
     class BoundedComposer(Composer):
         def __init__(self, loader: Any = None) -> None:
@@ -95,14 +104,25 @@ def _bounded_composer() -> Any:
         def compose_node(self, parent: Any, index: Any) -> Any:
             self._count += 1
             if self._count > MAX_SLOW_NODES:
-                raise TooManyNodesError(self.parser.peek_event().start_mark.line)
+                line = self.parser.peek_event().start_mark.line
+                raise TooMuchError(f"has more than {MAX_SLOW_NODES:,} keys and values up to here", line)
             return super().compose_node(parent, index)
 
-    return BoundedComposer
+    class BoundedReader(Reader):
+        def update_raw(self, size: int | None = None) -> None:
+            if self.stream_pointer > MAX_SLOW_CHARACTERS:
+                raise TooMuchError(f"has more than {MAX_SLOW_CHARACTERS:,} characters up to here", self.line)
+            super().update_raw(size)
+
+    return BoundedComposer, BoundedReader
 
 
 class Unsure(Exception):  # noqa: N818  no error: ruamel.yaml has the last word
-    """Raised for a text that the quick reader cannot read with certainty."""
+    """Raised for a text that the quick reader cannot read with certainty, at a line from 0 where it is known."""
+
+    def __init__(self, line: int | None = None) -> None:
+        super().__init__(line)
+        self.line = line
 
 
 _ODD = re.compile("[^\n\r\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
@@ -113,67 +133,98 @@ _BLOCK = ("|", ">")
 _HEADER = re.compile(r"[|>][-+1-9]*[\r\n]")
 """Headers of a block of lines; the two readers differ on whether a remark may follow one."""
 
+_ANCHOR = re.compile(r"[&*][A-Za-z0-9_-]+(?=[ \r\n,\]}]|$)")
+"""Anchors and aliases; the two readers differ on where one ends before other letters."""
+
 
 def quick(text: str) -> Node | None:
-    """The root node of a plain, valid YAML text; of one with too many values, as many as show that.
+    """The root node of a plain, valid YAML text.
 
-    Raises Unsure of any other text, and where there is no libyaml.
+    Raises TooMuchError beyond MAX_VALUES, and Unsure of any other text, and where there is no libyaml.
     """
     try:
         from yaml import YAMLError, events
         from yaml.cyaml import CParser
     except ImportError:
         raise Unsure from None
-    if _ODD.search(text):
-        raise Unsure
+    if odd := _ODD.search(text):
+        raise Unsure(text.count("\n", 0, odd.start()))
     ends = text.endswith("\n")
     root: Node | None = None
     inside: list[Node] = []
+    anchors: dict[str, Node] = {}
     count = 0
     try:
         parser = CParser(text)
-        while count <= 2 * MAX_VALUES + 1 and (event := parser.get_event()) is not None:
+        while (event := parser.get_event()) is not None:
             if isinstance(event, events.CollectionEndEvent):
                 inside.pop().close(event.end_mark)
             elif isinstance(event, events.NodeEvent):
-                node = _node(event, inside[-1] if inside else None)
+                if event.anchor is not None and not _ANCHOR.match(text, event.start_mark.index):
+                    raise Unsure(event.start_mark.line)
+                parent = inside[-1] if inside else None
+                count += not _is_key_of(parent)
+                if count > MAX_VALUES:
+                    raise TooMuchError(f"unfolds to more than {MAX_VALUES:,} values", event.start_mark.line)
+                if isinstance(event, events.AliasEvent):
+                    _put(_meant(event, anchors, inside), parent)
+                    continue
+                node = _node(event, parent)
                 lines = node.id == "scalar" and event.style in _BLOCK
                 if lines and not (ends and _HEADER.match(text, node.start_mark.index)):
-                    raise Unsure
-                root, count = root or node, count + 1
+                    raise Unsure(event.start_mark.line)
+                root = root or node
                 if node.id != "scalar":
                     inside.append(node)
+                if event.anchor is not None and anchors.setdefault(event.anchor, node) is not node:
+                    raise Unsure(event.start_mark.line)
                 if len(inside) > MAX_DEPTH:
-                    raise Unsure
+                    raise Unsure(event.start_mark.line)
             elif isinstance(event, events.DocumentStartEvent):
                 if root or event.version or event.tags:
-                    raise Unsure
+                    raise Unsure(event.start_mark.line)
             elif isinstance(event, events.DocumentEndEvent) and event.explicit:
-                raise Unsure
-    except (YAMLError, ValueError):
-        raise Unsure from None
-    for node in inside:
-        node.close(node.start_mark)
+                raise Unsure(event.start_mark.line)
+    except (YAMLError, ValueError) as error:
+        mark = getattr(error, "problem_mark", None)
+        raise Unsure(mark.line if mark else None) from None
     return root
 
 
 def _node(event: Any, parent: Node | None) -> Node:
     """The node that an event begins, put into what it stands in. Raises Unsure."""
     kind = type(event).__name__
-    if event.anchor is not None or kind == "AliasEvent" or event.tag is not None:
-        raise Unsure
+    if event.tag is not None:
+        raise Unsure(event.start_mark.line)
     if kind == "ScalarEvent":
         plain = event.implicit[0]
         if parent is None or (plain and not event.value):  # where nothing at all stands, they see otherwise
-            raise Unsure
+            raise Unsure(event.start_mark.line)
         node = Node("scalar", _tag(event.value) if plain else _STRING, event.value, event)
-    elif parent is not None and parent.id == "mapping" and len(parent.value) % 2 == 0:  # a key
-        raise Unsure
+    elif _is_key_of(parent):
+        raise Unsure(event.start_mark.line)
     else:
         mapping = kind == "MappingStartEvent"
         node = Node("mapping" if mapping else "sequence", _MAP if mapping else _SEQUENCE, [], event)
+    _put(node, parent)
+    return node
+
+
+def _put(node: Node, parent: Node | None) -> None:
     if parent is not None:
         parent.value.append(node)
+
+
+def _is_key_of(parent: Node | None) -> bool:
+    """Whether what comes next is a key of the mapping in which it stands."""
+    return parent is not None and parent.id == "mapping" and len(parent.value) % 2 == 0
+
+
+def _meant(alias: Any, anchors: dict[str, Node], inside: list[Node]) -> Node:
+    """The node that an alias stands for. Raises Unsure for a key, and for what there is not or not all of yet."""
+    node = anchors.get(alias.anchor)
+    if node is None or node in inside or _is_key_of(inside[-1] if inside else None):
+        raise Unsure(alias.start_mark.line)
     return node
 
 

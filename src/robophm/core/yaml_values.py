@@ -6,7 +6,7 @@ import re
 from typing import Any
 
 from robophm.core.errors import DesignError
-from robophm.core.yaml_nodes import MAX_DEPTH, MAX_SLOW_NODES, MAX_VALUES, TooManyNodesError, compose, uncollected
+from robophm.core.yaml_nodes import MAX_DEPTH, MAX_VALUES, TooMuchError, compose, uncollected
 
 MAX_BYTES = 20_000_000
 """A larger file is refused before it is parsed; so is one that is larger when its aliases are written out.
@@ -45,11 +45,8 @@ def values(text: str, name: str) -> tuple[Any, Lines]:
         raise DesignError(f"{name}:{line + 1}: is not YAML: {error.problem}, in column {column + 1}") from None
     except (YAMLError, ValueError) as error:
         raise DesignError(f"{name}: is not YAML: {str(error).splitlines()[0]}") from None
-    except TooManyNodesError as error:
-        raise DesignError(
-            f"{name}:{error.line + 1}: has more than {MAX_SLOW_NODES:,} keys and values up to here; expected fewer, or "
-            "a text without anchors, tags, tabs and faults"
-        ) from None
+    except TooMuchError as error:
+        raise DesignError(f"{name}:{error.line + 1}: {error}") from None
     except RecursionError:
         raise DesignError(f"{name}: is nested too deeply; expected at most {MAX_DEPTH} levels") from None
     reader = _Reader(name)

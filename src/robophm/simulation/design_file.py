@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from robophm.core.errors import DesignError, RobophmError, nearest
-from robophm.core.yaml_nodes import MAX_SLOW_NODES, TooManyNodesError, bounded_reader
+from robophm.core.yaml_nodes import TooMuchError, bounded_reader
 from robophm.simulation.design import CLOCKS, INPUTS, Design, Mode, Signal, Stress
 from robophm.simulation.design_keys import (
     FIGURES,
@@ -74,8 +74,8 @@ def read_design(path: Path, library: Library | None = None) -> Design:
     except MarkedYAMLError as error:
         line = error.problem_mark.line + 1 if error.problem_mark else 1
         raise DesignError(f"{path}:{line}: is not YAML: {error.problem}") from None
-    except TooManyNodesError as error:
-        raise DesignError(f"{path}:{error.line + 1}: has more than {MAX_SLOW_NODES:,} keys and values") from None
+    except TooMuchError as error:
+        raise DesignError(f"{path}:{error.line + 1}: {error}") from None
     except RecursionError:
         raise DesignError(f"{path}: is nested too deeply; expected at most {MAX_DEPTH} levels") from None
     except (YAMLError, ValueError) as error:
