@@ -19,7 +19,7 @@ help:
 	@echo "make calibrate  predictions against 20,000 robots that fail and 1,000 that wear (docs/calibration.md)"
 	@echo "make fuzz       1,200,000 damaged recordings, an hour or more (docs/guides/columns.md)"
 	@echo "make integrity  1,000 kills and 1,000 cuts of power, an hour or less (docs/guides/unattended.md)"
-	@echo "make soak       24 hours of a robot at sixty times their pace, over ROS 1 and over DDS, 50 minutes"
+	@echo "make soak       two days of a robot at 600 times their pace, over ROS 1 and over DDS, ten minutes"
 	@echo "make prognostics  when real wear ends, beside SurPyval, two minutes (docs/theory/wear.md)"
 	@echo "make new-user  from a wheel to the first report of five robots, two minutes (docs/guides/your-robot.md)"
 	@echo "make bench      speed, as ratios against named peers (docs/benchmarks.md)"
