@@ -146,7 +146,7 @@ def test_an_answer_that_nobody_takes_has_its_time_and_one_that_is_taken_slowly_h
 
 def test_of_bodies_that_do_not_come_only_so_much_is_held(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bounded_connections, "MOST_HELD", 1_000_000)
-    head = b"POST /api/monitoring/start HTTP/1.1\r\nHost: HOST\r\nContent-Length: 2000000\r\n\r\n"
+    head = b"POST /api/design/check HTTP/1.1\r\nHost: HOST\r\nContent-Length: 2000000\r\n\r\n"
     with ExitStack() as stack:
         small = connected(served, stack, head + bytes(50_000))
         large = [connected(served, stack, head + bytes(400_000)) for _ in range(3)]

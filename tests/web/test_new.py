@@ -3,7 +3,7 @@
 import pytest
 
 from robophm.design.file import load
-from robophm.web.guard import FILES, MOST_BYTES, MOST_OF_FILES
+from robophm.web.bounded_bodies import FILES, MOST_BYTES, MOST_OF_FILES
 
 from ..drafting.test_received import PARTS, URDF
 from .conftest import serving

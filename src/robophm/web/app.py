@@ -24,7 +24,7 @@ from robophm.core.registry import load_plug, plugs
 from robophm.design.located_error import LocatedError
 from robophm.web import routes
 from robophm.web.access.roles import role_of
-from robophm.web.guard import Guard, TooLargeError
+from robophm.web.guard import Guard
 from robophm.web.service import Service, Settings
 from robophm.web.shapes import Trouble
 from robophm.web.workspace import OutsideError, StaleError
@@ -43,6 +43,7 @@ GUARDED: dict[int | str, dict[str, Any]] = {
     403: {"model": Trouble, "description": "For another role, or asked by a page from elsewhere"},
     413: {"model": Trouble, "description": "Larger than it may be"},
     422: {"model": Trouble, "description": "Refused, and why"},
+    503: {"model": Trouble, "description": "Too many large requests are under way"},
 }
 """Responses that any request may get."""
 
@@ -82,7 +83,6 @@ def api(**more: Any) -> FastAPI:
     app.add_exception_handler(RobophmError, _refused)
     app.add_exception_handler(RequestValidationError, _misspelt)
     app.add_exception_handler(HTTPException, _http)
-    app.add_exception_handler(TooLargeError, _too_large)
     app.add_exception_handler(RecursionError, _too_deep)
     app.add_exception_handler(UnicodeEncodeError, _no_text)
     app.add_exception_handler(Exception, _our_fault)
@@ -141,10 +141,6 @@ async def _http(request: Request, error: Exception) -> JSONResponse:
     response = _said(error.status_code, words.get(error.status_code, str(error.detail)))
     response.headers.update(error.headers or {})
     return response
-
-
-async def _too_large(request: Request, error: Exception) -> JSONResponse:
-    return _said(413, "the request is too large")
 
 
 async def _too_deep(request: Request, error: Exception) -> JSONResponse:

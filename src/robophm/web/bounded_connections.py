@@ -11,7 +11,7 @@ import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from robophm.web.access.guesses import network_of
-from robophm.web.guard import FILES
+from robophm.web.bounded_bodies import FILES
 
 HEADERS_WITHIN = 10.0
 """Seconds in which the headers of a request must have come, since the connection or the answer before."""

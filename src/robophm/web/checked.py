@@ -13,7 +13,8 @@ from robophm.design.problems import CheckResult, Problem, check
 from robophm.health.refusal import refusal
 from robophm.web.prepared_robot import PreparedRobots
 
-_KEPT = 6
+_KEPT, _MOST_KEPT = 6, 12_000_000
+"""Texts that are remembered, and their characters: an edit needs the two before and after it, whatever their size."""
 
 
 class CheckedTexts:
@@ -31,7 +32,7 @@ class CheckedTexts:
         with self._lock:
             if text not in self._found:
                 self._found[text] = self._checked(text)
-                while len(self._found) > _KEPT:
+                while len(self._found) > max(2, min(_KEPT, _MOST_KEPT // (len(text) or 1))):
                     self._found.popitem(last=False)
             self._found.move_to_end(text)
             return self._found[text]

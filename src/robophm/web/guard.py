@@ -22,18 +22,10 @@ from robophm.web.access.proxies import is_loopback
 from robophm.web.access.roles import LOOKING, may, role_needed
 from robophm.web.access.users import User
 from robophm.web.access.visitors import Visitors
-
-MOST_BYTES = 24_000_000
-"""Largest body of a request [bytes]: a design is 20 MB at most."""
-
-FILES, MOST_OF_FILES = "/api/new/files", 8_000_000_000
-"""The one address that takes larger ones, recordings, which are written to the disk as they come; and their most."""
+from robophm.web.bounded_bodies import BoundedBodies, most_of
 
 OPEN_TO_ALL = ("/healthz", "/readyz", "/login")
 """Addresses that a supervisor asks, whose answers tell nothing of the robot, and the one to log in at."""
-
-LOGIN, MOST_OF_LOGIN = "/login", 10_000
-"""The one address at which a body is read of whoever is not known, and its most."""
 
 LOOKED_AT_AGAIN = 10.0
 """Seconds after which it is looked again whether whoever watches live values still may."""
@@ -56,6 +48,7 @@ class Guard:
     def __init__(self, app: ASGIApp, host: str, visitors: Visitors, routes: Sequence[BaseRoute]) -> None:
         self._app, self._visitors, self._routes = app, visitors, routes
         self._open = not is_loopback(host)
+        self._bodies = BoundedBodies()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Refuse a request from elsewhere, or of whoever may not, or pass it on."""
@@ -73,9 +66,11 @@ class Guard:
             await self._app(scope, receive, self._while_allowed(scope, headers, send))
             return
         change = self._change(scope, headers, user)
+        body = self._bodies.of(scope, headers, receive)
 
         async def answer(message: Message) -> None:
             if message["type"] == "http.response.start":
+                body.end()
                 if change and message["status"] < 400:
                     await run_in_threadpool(self._visitors.changes.add, change)
                 said = MutableHeaders(scope=message)
@@ -88,8 +83,9 @@ class Guard:
 
         token = CHANGE.set(change)
         try:
-            await self._app(scope, _bounded(receive, _most(scope["path"])), answer)
+            await self._app(scope, body.receive, answer)
         finally:
+            body.end()
             CHANGE.reset(token)
 
     def _refusal(self, scope: Scope, headers: Headers) -> tuple[int, str] | None:
@@ -108,7 +104,7 @@ class Guard:
         if writes and headers.get("sec-fetch-site", "same-origin") not in ("same-origin", "none"):
             return 403, "a page from elsewhere may not do this"
         length = headers.get("content-length", "0")
-        most = _most(scope["path"])
+        most = most_of(scope["path"])
         if not length.isdecimal() or int(length) > most:
             return 413, f"the request is larger than {most / 1_000_000:,g} MB"
         return None
@@ -146,10 +142,6 @@ class Guard:
         return checked
 
 
-def _most(path: str) -> int:
-    return {FILES: MOST_OF_FILES, LOGIN: MOST_OF_LOGIN}.get(path, MOST_BYTES)
-
-
 def _kept(path: str) -> str:
     """The cache policy of an answer: what is built has its content in its name."""
     if path.startswith("/assets/"):
@@ -162,25 +154,6 @@ def _same(origin: str, host: str) -> bool:
         return urlsplit(origin).netloc.lower() == host.lower()
     except ValueError:
         return False
-
-
-class TooLargeError(Exception):
-    """The body goes on beyond what it may be."""
-
-
-def _bounded(receive: Receive, most: int) -> Receive:
-    """The same messages, as long as their bodies are not too large in all."""
-    total = 0
-
-    async def bounded() -> Message:
-        nonlocal total
-        message = await receive()
-        total += len(message.get("body", b""))
-        if total > most:
-            raise TooLargeError
-        return message
-
-    return bounded
 
 
 async def _refuse(scope: Scope, receive: Receive, send: Send, status: int, why: str) -> None:
