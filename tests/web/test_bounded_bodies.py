@@ -149,6 +149,7 @@ with serving(path) as served:
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="needs the peak of a process")
+@pytest.mark.full
 def test_several_large_bodies_at_once_do_not_fill_the_memory(tmp_path: Path) -> None:
     """Without bounds six bodies of values took 800 MB, and six texts of a million lines 3.4 GB."""
     words = [sys.executable, "-c", MEASURED, str(ROOT), str(tmp_path / "robot.yaml")]

@@ -69,7 +69,7 @@ def test_a_task_is_judged_as_by_hand_while_the_service_is_there(outlet: Outlet, 
 def test_who_cannot_be_answered_is_noted(outlet: Outlet, client: Peer) -> None:
     """A client of Fast DDS tells no identity of its own, and says elsewhere who asks."""
     client.tell("strange")
-    words = f"{NODE}: /phm/assess_task cannot answer clients of another RMW than Cyclone's; --via rclpy can"
+    words = f"{NODE}: /phm/assess_task cannot answer clients of another RMW than Cyclone's over DDS; rclpy can"
     within(10, lambda: outlet.notes.get(words) == 1)
 
 

@@ -109,7 +109,7 @@ class Service(threading.Thread):
         }  # fmt: skip
         if new := asking - self._strange:
             self._strange |= new
-            words = f"{self.service} cannot answer clients of another RMW than Cyclone's; --via rclpy can"
+            words = f"{self.service} cannot answer clients of another RMW than Cyclone's over DDS; rclpy can"
             self.node.notes.add(words, len(new))
 
     def close(self) -> None:

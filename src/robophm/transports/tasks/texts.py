@@ -60,7 +60,8 @@ class TaskListener:
     def hear_path(self, time: int, topic: str, places: Iterable[tuple[float, float]]) -> PlannedTask | None:
         """Return the task to follow a path: one leg, since no speed is said by which they would differ.
 
-        Navigation plans anew while it drives: a path to the end of the one before, within REPLANNED, is no new task.
+        Navigation plans anew while it drives: a path to the end of the one before, within REPLANNED, is no new task,
+        unless it begins there too and leads round.
         """
         try:
             path = [*places]
@@ -71,7 +72,8 @@ class TaskListener:
         before = self._paths.get(topic)
         self._paths[topic] = time, path[-1]
         if before and time - before[0] <= REPLANNED and math.dist(before[1], path[-1]) <= SAME_PLACE:
-            return None
+            round_trip = math.dist(before[1], path[0]) <= SAME_PLACE < task.legs[0].distance
+            return task if round_trip else None
         return task
 
     def end(self) -> None:
