@@ -360,7 +360,8 @@ def test_what_is_wrong_with_a_robot_is_heard_from_another_process(tmp_path):
 # Honesty: a part of ``make calibrate``.
 
 
-@pytest.mark.parametrize("robots", [800, pytest.param(2000, marks=pytest.mark.full)])
+@pytest.mark.full
+@pytest.mark.parametrize("robots", [800, 2000])
 def test_predictions_are_honest_about_robots_that_really_fail(tmp_path, robots):
     """In one test, so that the fleet is predicted once however tests are shared out."""
     made = simulate(DESIGN, tmp_path / "fleet", robots, 3, 20)

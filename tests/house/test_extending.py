@@ -48,9 +48,15 @@ def test_there_is_a_recipe_for_each():
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize("title", RECIPES)
+@pytest.mark.parametrize(
+    "title",
+    [pytest.param(title, marks=pytest.mark.full) if "npm" in text else title for title, text in RECIPES.items()],
+)
 def test_a_recipe_works(copy, title):
-    """All its commands succeed, and of its suite something is run; without its files they do not."""
+    """All its commands succeed, and of its suite something is run; without its files they do not.
+
+    That of a page builds the page, which takes a minute.
+    """
     text = RECIPES[title]
     if "npm" in text and not (shutil.which("npm") and (ROOT / "ui" / "node_modules" / ".bin").is_dir()):
         pytest.skip("the page cannot be built here: it needs Node, and `npm ci` in ui/")
@@ -75,7 +81,10 @@ def test_a_recipe_works(copy, title):
         pytest.skip(done.stdout)
 
 
-@pytest.mark.parametrize("title", RECIPES)
+@pytest.mark.parametrize(
+    "title",
+    [pytest.param(title, marks=pytest.mark.full) if "npm" in text else title for title, text in RECIPES.items()],
+)
 def test_recipes_are_short_and_well_written(copy, title):
     """Ten lines of code or so: at most seventeen that are neither imports, docstrings nor blank; ruff finds nothing."""
     write(copy, RECIPES[title])
