@@ -35,6 +35,7 @@ def interrupted(design, after, every):
 
 @pytest.mark.skipif(os.name == "nt", reason="needs signals")
 @pytest.mark.parametrize("times", [1, pytest.param(20, marks=pytest.mark.full)])
+@pytest.mark.full
 def test_ctrl_c_again_and_again_is_no_failure(tmp_path, times):
     design = tmp_path / "robot.yaml"
     design.write_bytes(OTA.read_bytes())

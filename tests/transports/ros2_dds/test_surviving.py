@@ -6,6 +6,8 @@ import struct
 import time
 from collections.abc import Callable
 
+import pytest
+
 from robophm.core.signal import SECOND
 from robophm.transports.ros2_dds import Ros2Dds
 from robophm.transports.signals.source import LiveSource
@@ -119,6 +121,7 @@ def test_simulated_time_that_jumps_back(peer: Peer, live: LiveSource) -> None:
     assert live.notes["receipt time used for /warm"] == 1
 
 
+@pytest.mark.full
 def test_simulated_time_that_comes_late(peer: Peer, live: LiveSource) -> None:
     """80 s of a simulator that is started while one listens are 80 s, however fast it is."""
     peer.writer("/level", FLOAT64)
