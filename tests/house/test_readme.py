@@ -106,7 +106,6 @@ def ended(command: str, folder: Path) -> tuple[int, str]:
     return process.returncode, output
 
 
-@pytest.mark.full
 def test_commands_run_as_printed(folder: Path) -> None:
     """All of them in their order: one finds what another left."""
     wrong = []

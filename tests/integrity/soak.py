@@ -63,6 +63,9 @@ components:
   warm: {rate: 0.02 /h, signals: {temperature: {topic: /warm, field: temperature, unit: degC, max_age: 2 min}}}
 """
 
+PEERS = Path(__file__).parents[1] / "transports" / "ros2_dds"
+"""The folder where the types of what is sent over DDS are."""
+
 NO_PROXY = {"trust_env": False, "timeout": 30}
 
 
@@ -98,7 +101,7 @@ class Robot:
                     self._simulated = True
         if self._simulated and not self._runs("sender"):
             program, code = ("/usr/bin/python3", ROS1) if self.via == "ros1" else (sys.executable, DDS)
-            self._start("sender", program, "-c", code, str(self._begun), str(PACE), str(BEGIN))
+            self._start("sender", program, "-c", code, str(self._begun), str(PACE), str(BEGIN), str(PEERS))
 
     def kill(self, which: str) -> None:
         """End it with SIGKILL, where it runs."""

@@ -26,20 +26,14 @@ from dataclasses import dataclass, field
 from cyclonedds.core import Policy, Qos
 from cyclonedds.domain import DomainParticipant
 from cyclonedds.idl import IdlStruct
-from cyclonedds.idl.types import float64, int32, uint32
+from cyclonedds.idl.types import float64
 from cyclonedds.pub import DataWriter
 from cyclonedds.topic import Topic
-@dataclass
-class Time(IdlStruct, typename="builtin_interfaces.msg.dds_.Time_"):
-    sec: int32 = 0
-    nanosec: uint32 = 0
+sys.path.append(sys.argv[4])
+from peer_types import Header, Time
 @dataclass
 class Clock(IdlStruct, typename="rosgraph_msgs.msg.dds_.Clock_"):
     clock: Time = field(default_factory=Time)
-@dataclass
-class Header(IdlStruct, typename="std_msgs.msg.dds_.Header_"):
-    stamp: Time = field(default_factory=Time)
-    frame_id: str = ""
 @dataclass
 class Temperature(IdlStruct, typename="sensor_msgs.msg.dds_.Temperature_"):
     header: Header = field(default_factory=Header)

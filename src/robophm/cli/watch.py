@@ -177,13 +177,14 @@ def run(design: Path, asked: Watched) -> bool:
         kept = stack.enter_context(open_store(asked.store)) if asked.store else None
         written = stack.enter_context(Journal(asked.journal, robot.signals)) if asked.journal else None
         sinks = []
-        assessor = TaskAssessor(robot)
+        assessor = None
         if asked.publish and not opened.publisher:
             warn(f"health is not published: {source.place} takes no messages of ROS")
         elif asked.publish and opened.publisher:
             outlet = Outlet(opened.generation, opened.node, opened.publisher, opened.server)
             topics = stack.enter_context(HealthTopics(robot, outlet, namespace=asked.namespace, frame=asked.frame))
             sinks.append(topics)
+            assessor = TaskAssessor(robot)
             service = TaskService(outlet, assessor, asked.namespace)
             if service.unknown:
                 warn(f"not served: {service.unknown}")

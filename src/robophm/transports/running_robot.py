@@ -10,6 +10,7 @@ from functools import partial
 from typing import Any, Literal
 
 from robophm.core.errors import SourceError, nearest
+from robophm.transports.live.enforced_security import refuse_enforced_security
 from robophm.transports.signals.source import LiveSource
 
 CHOICES = ("auto", "ros1", "ros2", "dds", "rclpy", "foxglove")
@@ -68,7 +69,6 @@ def open_live(choice: str = "auto", *, period: float = 0.5) -> Live:
     generation, reason = (1 if choice == "ros1" else 2, AS_ASKED) if choice != "auto" else generation_here()
     if generation == 1:
         from robophm.transports import ros1
-        from robophm.transports.ros2_dds.environment import refuse_enforced_security
 
         refuse_enforced_security("ROS 1 has no security")
         return Live(ros1.Ros1(period=period), "ROS 1", "ros1", reason, ros1.Node, ros1.Publisher, ros1.Service)
@@ -157,7 +157,7 @@ def explained() -> dict[str, str]:
         said["cyclonedds"] = "can be imported"
     rmw = os.environ.get("RMW_IMPLEMENTATION")
     said["RMW_IMPLEMENTATION"] = f"{rmw}, which rclpy alone heeds" if rmw else "is not set; rclpy alone heeds it"
-    from robophm.transports.ros2_dds.environment import hidden_by, place_in_words, refuse_enforced_security
+    from robophm.transports.ros2_dds.environment import hidden_by, place_in_words
 
     try:
         said["ROS 2 is looked for in"] = place_in_words()

@@ -9,10 +9,11 @@ from xml.etree import ElementTree
 import pytest
 
 from robophm.core.errors import SourceError
+from robophm.transports.live.enforced_security import refuse_enforced_security
 from robophm.transports.ros2_dds import Ros2Dds
 from robophm.transports.ros2_dds.cyclone import Offer
 from robophm.transports.ros2_dds.definition import dds_name, defined, known, name_of_dds, ros2_name
-from robophm.transports.ros2_dds.environment import Place, hidden_by, place, place_in_words, refuse_enforced_security
+from robophm.transports.ros2_dds.environment import Place, hidden_by, place, place_in_words
 from robophm.transports.ros2_dds.subscription import told_hash
 
 HASHES = {

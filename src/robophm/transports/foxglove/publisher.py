@@ -6,37 +6,25 @@ from itertools import count
 from typing import Any, Self
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import signal_name
 from robophm.transports.foxglove.protocol import framed, text
 from robophm.transports.foxglove.source import Foxglove
+from robophm.transports.live.publishing import NodeOfConnection, bytes_of, refuse_no_topic
 from robophm.transports.ros1.definition import compiled, known_definition
 from robophm.transports.ros2_dds.definition import defined, known, ros2_name
-from robophm.transports.signals.incidents import Incidents
-from robophm.transports.signals.message_type import serialized
 
 
-class Node:
+class Node(NodeOfConnection):
     """A name under which topics are published through one server, which knows no nodes. A context manager."""
 
     _numbers = count(1)
 
     def __init__(self, source: Foxglove, name: str) -> None:
-        self.name = name
+        super().__init__(name)
         self.source = source
-        self.notes = Incidents()  # the connection has its own
 
     def number(self) -> int:
         """Return a number for a further channel of ours."""
         return next(self._numbers)
-
-    def close(self) -> None:
-        """Do nothing: whoever made the connection ends it, and the server forgets what we told it."""
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 class Publisher:
@@ -51,9 +39,7 @@ class Publisher:
     def __init__(
         self, node: Node, topic: str, type_: str, definition: str | None = None, *, latched: bool = False
     ) -> None:
-        if not topic.startswith("/"):
-            raise SourceError(f"'{topic}' is not a topic; expected it to begin with '/'")
-        signal_name(topic, "data")
+        refuse_no_topic(topic)
         self._encoding = node.source.published_encoding()
         if not self._encoding:
             raise SourceError(f"{node.source.place} takes no messages of ROS")
@@ -74,10 +60,7 @@ class Publisher:
 
     def publish(self, message: Any) -> None:
         """Send a message; never waits. Raises SourceError where it is not of the type."""
-        try:
-            raw = serialized(self._type, message)
-        except Exception as error:  # struct, NumPy, attribute errors …
-            raise SourceError(f"message on {self.topic} is no {self.type}: {error}") from error
+        raw = bytes_of(self._type, self.topic, self.type, message)
         if self._told is not (now := self._connection.current) and self._connection.send(
             text("advertise", channels=[{
                 "id": self._number, "topic": self.topic, "encoding": self._encoding, "schemaName": self.type,

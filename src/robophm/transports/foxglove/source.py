@@ -23,6 +23,7 @@ from robophm.transports.live.receiving import (
     Receiver,
     Run,
     by_topic,
+    note_again,
     tick_of,
 )
 from robophm.transports.signals.incidents import Incidents, TypeRefusedError
@@ -53,7 +54,7 @@ class Foxglove(ListeningSource):
         self._closed = False
         self._lock = threading.RLock()
         self._channels: dict[int, Channel] = {}
-        self._fields: dict[str, tuple[str, ...]] = {}
+        self._descriptions: dict[str, tuple[str, tuple[str, ...]]] = {}
         self._taken: tuple[str, ...] = ()
         """Encodings of messages that the server takes from us; none where it takes none."""
         self._listening: _Listening | None = None
@@ -120,25 +121,25 @@ class Foxglove(ListeningSource):
         if self._closed:
             raise SourceError("the source is closed")
         self._settle()
-        counts = self._run.hearing.counts if self._run else {}
         found: dict[str, TopicInfo] = {}
         with self._lock:
             channels = list(self._channels.values())
         for channel in channels:
-            known = counts.get(channel.topic)
-            messages, first, last = (known.messages, known.first, known.last) if known else (0, None, None)
             name, fields = self._described(channel)
-            found.setdefault(channel.topic, TopicInfo(channel.topic, name, messages, first, last, fields))
+            found.setdefault(channel.topic, TopicInfo(channel.topic, name, *self._counted(channel.topic), fields))
         return [found[topic] for topic in sorted(found)]
 
     def _described(self, channel: Channel) -> tuple[str, tuple[str, ...]]:
-        try:
-            type_ = channel.type()
-        except SourceError:
-            return channel.schema_name, ()
-        if channel.identity not in self._fields:
-            self._fields[channel.identity] = tuple(numeric_fields(type_.definitions, type_.name))
-        return type_.name, self._fields[channel.identity]
+        """The name of its type and the fields that are numbers; none where it cannot be decoded."""
+        if channel.identity not in self._descriptions:
+            try:
+                type_ = channel.type()
+            except SourceError:
+                found: tuple[str, tuple[str, ...]] = channel.schema_name, ()
+            else:
+                found = type_.name, tuple(numeric_fields(type_.definitions, type_.name))
+            self._descriptions[channel.identity] = found
+        return self._descriptions[channel.identity]
 
     def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
         """Yield the samples of these signals in order of arrival, clock samples, and the messages on these topics.
@@ -216,12 +217,7 @@ class _Listening:
             return
         if channel.topic == CLOCK_TOPIC:
             self.pushed.hearing.simulated = True
-        before = self._types.get(channel.topic)
-        if before is not None:
-            self._notes.add(f"connected again to {channel.topic}")
-            if before != channel.identity:
-                self._notes.add(f"type changed on {channel.topic}")
-        self._types[channel.topic] = channel.identity
+        note_again(self._notes, self._types, channel.topic, channel.identity)
         number = next(self._numbers)
         self._decoders[number] = decoder
         self._subscribed[channel.id] = number

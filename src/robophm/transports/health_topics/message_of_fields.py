@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from robophm.transports.signals.message_type import MessageType, serialized
+
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
@@ -37,3 +39,8 @@ def compose(store: Typestore, type_: str, fields: Mapping[str, Any]) -> Any:
         return [value(inner, part, each) for each in given or ([None] * length if node == Nodetype.ARRAY else [])]
 
     return store.types[type_](**{name: value(node, detail, fields.get(name)) for name, (node, detail) in known})
+
+
+def bytes_of_fields(type_: MessageType, fields: Mapping[str, Any]) -> bytes:
+    """Return the bytes of a message with these fields. Raises as ``compose`` and ``serialized``."""
+    return serialized(type_, compose(cast("Typestore", type_.store), type_.name, fields))

@@ -284,6 +284,11 @@ class ListeningSource(LiveSource):
     _run: Run | None = None
     _stopped = False  # before there was anything to end
 
+    def _counted(self, topic: str) -> tuple[int, int | None, int | None]:
+        """The messages that were heard on a topic since it is listened to, and the times of the first and the last."""
+        count = self._run.hearing.counts.get(topic) if self._run else None
+        return (count.messages, count.first, count.last) if count else (0, None, None)
+
     def stop(self) -> None:
         """End ``listen`` once all that has come so far has been taken; from any thread, and from a signal.
 
@@ -300,6 +305,16 @@ class ListeningSource(LiveSource):
         if self._stopped:
             self._stopped = False
             run.end()
+
+
+def note_again(notes: Incidents, types: dict[str, str], topic: str, identity: str) -> None:
+    """Note that a topic is heard again, and whether its type is another; ``types`` has the one before, then this."""
+    before = types.get(topic)
+    if before is not None:
+        notes.add(f"connected again to {topic}")
+        if before != identity:
+            notes.add(f"type changed on {topic}")
+    types[topic] = identity
 
 
 def by_topic(signals: Collection[str]) -> dict[str, list[str]]:

@@ -4,31 +4,19 @@ from __future__ import annotations
 
 import json
 import math
-from collections import Counter
 from dataclasses import fields, is_dataclass
-from typing import Any, Self
+from typing import Any
 
-from robophm.core.errors import SourceError
-from robophm.core.signal import signal_name
+from robophm.transports.live.publishing import NodeOfConnection, refuse_no_topic
 from robophm.transports.mqtt.connection import Connection
 
 
-class Node:
+class Node(NodeOfConnection):
     """A name under which topics are published over one connection; MQTT itself has no nodes. A context manager."""
 
     def __init__(self, connection: Connection, name: str) -> None:
-        self.name = name
+        super().__init__(name)
         self.connection = connection
-        self.notes: Counter[str] = Counter()  # the connection has its own
-
-    def close(self) -> None:
-        """Do nothing: whoever made the connection ends it."""
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 class Publisher:
@@ -41,9 +29,7 @@ class Publisher:
     def __init__(
         self, node: Node, topic: str, type_: str, definition: str | None = None, *, latched: bool = False
     ) -> None:
-        if not topic.startswith("/"):
-            raise SourceError(f"'{topic}' is not a topic; expected it to begin with '/'")
-        signal_name(topic, "data")
+        refuse_no_topic(topic)
         self.topic = topic
         self._connection = node.connection
 

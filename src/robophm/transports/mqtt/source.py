@@ -86,13 +86,10 @@ class Mqtt(ListeningSource):
         if self._closed:
             raise SourceError("the source is closed")
         time.sleep(max(0.0, self._born + DISCOVERY_SECONDS - time.monotonic()))
-        counts = self._run.hearing.counts if self._run else {}
         with self._lock:
             found = []
             for topic, known in sorted(self._known.items()):
-                count = counts.get(topic)
-                messages, first, last = (count.messages, count.first, count.last) if count else (0, None, None)
-                found.append(TopicInfo(topic, known.kind, messages, first, last, tuple(known.fields)))
+                found.append(TopicInfo(topic, known.kind, *self._counted(topic), tuple(known.fields)))
             return found
 
     def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:

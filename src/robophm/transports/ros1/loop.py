@@ -90,6 +90,10 @@ class Peer:
         full = len(data) == self._room
         self._room = min(2 * self._room, _MOST_READ) if full else _READ
         self.loop.behind |= full
+        self.take(data)
+
+    def take(self, data: bytes = b"") -> None:
+        """Take whole messages out of what has come before and this."""
         before = len(self.received)
         self.received += data
         try:

@@ -9,12 +9,11 @@ from types import TracebackType
 from typing import Any, Self
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import signal_name
+from robophm.transports.live.publishing import bytes_of, refuse_no_topic
 from robophm.transports.ros1.definition import compiled, known_definition, md5_of
 from robophm.transports.ros1.node import Node
 from robophm.transports.ros1.served_subscriber import Subscriber
 from robophm.transports.ros1.tcpros import encoded
-from robophm.transports.signals.message_type import serialized
 
 QUEUE = 100
 """Messages that may wait for one subscriber."""
@@ -34,9 +33,7 @@ class Publisher:
     def __init__(
         self, node: Node, topic: str, type_: str, definition: str | None = None, *, latched: bool = False
     ) -> None:
-        if not topic.startswith("/"):
-            raise SourceError(f"'{topic}' is not a topic; expected it to begin with '/'")
-        signal_name(topic, "data")
+        refuse_no_topic(topic)
         text = known_definition(type_) if definition is None else definition
         self._type = compiled(topic, type_, text)
         try:
@@ -70,10 +67,7 @@ class Publisher:
 
     def publish(self, message: Any) -> None:
         """Send a message to all that are connected; never blocks. Raises SourceError where it is not of the type."""
-        try:
-            raw = serialized(self._type, message)
-        except Exception as error:  # struct, NumPy, attribute errors …
-            raise SourceError(f"message on {self.topic} is no {self.type}: {error}") from error
+        raw = bytes_of(self._type, self.topic, self.type, message)
         framed = struct.pack("<I", len(raw)) + raw
         with self._lock:
             if self._latched:

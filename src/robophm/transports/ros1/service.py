@@ -11,13 +11,12 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from robophm.core.errors import SourceError
-from robophm.transports.health_topics.message_of_fields import compose
+from robophm.transports.health_topics.message_of_fields import bytes_of_fields
 from robophm.transports.ros1.definition import compiled, md5_of_service
 from robophm.transports.ros1.loop import Loop, Peer
 from robophm.transports.ros1.node import Node
 from robophm.transports.ros1.tcpros import encoded
 from robophm.transports.ros1.xmlrpc import CALL_SECONDS
-from robophm.transports.signals.message_type import serialized
 
 LONGEST_REQUEST = 8 << 20
 """Bytes of a request, beyond which its connection is closed."""
@@ -63,10 +62,7 @@ class Service:
         caller = ServiceCaller(self.node.loop, connection, self, lasting=fields.get("persistent") == "1")
         self.node.loop.add(caller)
         caller.send(encoded(header))
-        if more:
-            caller.received += more
-            self.node.loop.hold(caller, len(more))
-            caller.read_on()
+        caller.take(more)
 
     def ask(self, caller: ServiceCaller, raw: bytes) -> None:
         """Have a request answered, in its turn; called in the loop."""
@@ -78,9 +74,7 @@ class Service:
 
     def _respond(self, caller: ServiceCaller, raw: bytes) -> None:
         try:
-            fields = self._answer(self._request.decode(raw))
-            response = compose(self._response.store, self._response.name, fields)  # type: ignore[arg-type]
-            body = serialized(self._response, response)
+            body = bytes_of_fields(self._response, self._answer(self._request.decode(raw)))
             reply = b"\1" + struct.pack("<I", len(body)) + body
         except Exception as error:  # who calls is told, whatever it is
             if not isinstance(error, SourceError):
@@ -136,17 +130,7 @@ class ServiceCaller(Peer):
         self._busy, self._answered = False, True
         self.send(data)
         if self.lasting:
-            self.read_on()
-
-    def read_on(self) -> None:
-        """Go on with what has come already, if anything."""
-        before = len(self.received)
-        try:
-            self.taken()
-        except ValueError:
-            self.close()
-        if not self.closed and len(self.received) != before:
-            self.loop.hold(self, len(self.received) - before)
+            self.take()
 
     def drained(self) -> None:
         """Close once the only answer has been sent."""

@@ -11,7 +11,6 @@ from robophm.core.errors import SourceError
 from robophm.transports.live.receiving import (
     QUEUE,
     TICK,
-    Count,
     ListeningSource,
     Queue,
     Receiver,
@@ -79,15 +78,13 @@ class Ros1(ListeningSource):
         """
         published = published_topics(self._master, CALLER)
         publishers, *_ = system_state(self._master, CALLER)
-        counts = self._run.hearing.counts if self._run else {}
         nodes = sorted({node for topic, _ in published for node in publishers.get(topic, ())})
         with ThreadPoolExecutor(CONNECTORS) as pool:
             where = dict(zip(nodes, pool.map(self._where, nodes), strict=True))
             return list(
                 pool.map(
                     lambda each: self._topic(
-                        each[0], each[1], {node: where[node] for node in publishers.get(each[0], ())},
-                        counts.get(each[0]),
+                        each[0], each[1], {node: where[node] for node in publishers.get(each[0], ())}
                     ),
                     published,
                 )
@@ -101,7 +98,7 @@ class Ros1(ListeningSource):
             return address
         return ""
 
-    def _topic(self, topic: str, type_: str, nodes: Mapping[str, str], count: Count | None) -> TopicInfo:
+    def _topic(self, topic: str, type_: str, nodes: Mapping[str, str]) -> TopicInfo:
         there = [address for address in nodes.values() if address]
         trouble = "" if there or not nodes else f"{', '.join(nodes)} does not answer: killed, or not reached from here"
         for address in there if (topic, type_) not in self._types else []:
@@ -113,9 +110,7 @@ class Ros1(ListeningSource):
         known = self._types.get((topic, type_))
         fields = tuple(numeric_fields(known.definitions, known.name)) if known else ()
         name = "" if type_ == "*" else ros2_name(type_)
-        if count is None:
-            return TopicInfo(topic, name, 0, None, None, fields, trouble)
-        return TopicInfo(topic, name, count.messages, count.first, count.last, fields, trouble)
+        return TopicInfo(topic, name, *self._counted(topic), fields, trouble)
 
     def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
         """Yield the samples of these signals in order of arrival, clock samples, and the messages on these topics.

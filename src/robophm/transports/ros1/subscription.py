@@ -11,7 +11,7 @@ from contextlib import suppress
 
 from robophm.core.errors import SourceError
 from robophm.transports.live.decoding import TopicDecoder
-from robophm.transports.live.receiving import CLOCK_TOPIC, Receiver
+from robophm.transports.live.receiving import CLOCK_TOPIC, Receiver, note_again
 from robophm.transports.ros1.definition import reading_of
 from robophm.transports.ros1.node import Node
 from robophm.transports.ros1.stream import Stream
@@ -151,12 +151,7 @@ class Subscription:
         if self._closed:
             connection.close()
             return
-        before = self._types.get(reading.topic)
-        if before is not None:
-            self._notes.add(f"connected again to {reading.topic}")
-            if before != reading.identity:
-                self._notes.add(f"type changed on {reading.topic}")
-        self._types[reading.topic] = reading.identity
+        note_again(self._notes, self._types, reading.topic, reading.identity)
         stream = Stream(self._node.loop, connection, key[1], reading, self._hearing, self._lost)
         self._streams[key] = stream
         self._node.loop.add(stream)

@@ -67,16 +67,6 @@ def place_in_words(domain: int | None = None) -> str:
     return f"domain {place(domain).domain}, {RANGES[_reach()]}"
 
 
-def refuse_enforced_security(why: str = "DDS is spoken here without security") -> None:
-    """Raise SourceError where the environment asks for secured DDS and nothing else; ``why`` that cannot be had."""
-    enabled = os.environ.get("ROS_SECURITY_ENABLE", "").lower() == "true"
-    if enabled and os.environ.get("ROS_SECURITY_STRATEGY", "").lower() == "enforce":
-        raise SourceError(
-            f"ROS_SECURITY_STRATEGY is Enforce, and {why}; expected the rclpy of a sourced ROS 2, which has it, or "
-            "ROS_SECURITY_ENABLE=false"
-        )
-
-
 def hidden_by(*, over_dds: bool) -> list[str]:
     """Return what in the environment could keep topics from being heard; ``over_dds``: we speak DDS ourselves."""
     said = os.environ.get

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 
 from robophm.core.errors import SourceError
+from robophm.transports.live.enforced_security import refuse_enforced_security
 from robophm.transports.ros2_dds.cyclone import Discovery, Participant, Reader, Waiting, Writer
 from robophm.transports.ros2_dds.definition import Definition, known
-from robophm.transports.ros2_dds.environment import Place, place, refuse_enforced_security
+from robophm.transports.ros2_dds.environment import Place, place
 from robophm.transports.signals.message_type import serialized
 
 TOPIC = "ros_discovery_info"

@@ -6,7 +6,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import signal_name
+from robophm.transports.live.publishing import refuse_no_topic
 from robophm.transports.ros2_dds.definition import defined, known, ros2_name
 from robophm.transports.ros2_dds.node import Node
 from robophm.transports.signals.message_type import serialized
@@ -27,9 +27,7 @@ class Publisher:
     def __init__(
         self, node: Node, topic: str, type_: str, definition: str | None = None, *, latched: bool = False
     ) -> None:
-        if not topic.startswith("/"):
-            raise SourceError(f"'{topic}' is not a topic; expected it to begin with '/'")
-        signal_name(topic, "data")
+        refuse_no_topic(topic)
         name = ros2_name(type_)
         found = known(topic, name) if definition is None else defined(topic, name, definition)
         self.node = node

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from robophm.transports.health_topics.definitions import service_types
-from robophm.transports.health_topics.message_of_fields import compose
+from robophm.transports.health_topics.message_of_fields import bytes_of_fields
 from robophm.transports.ros2_dds.definition import Definition, defined
 from robophm.transports.ros2_dds.node import Node
-from robophm.transports.signals.message_type import serialized
 
 CALLER = "guid", "seq"
 """The two fields that come before those of every request and reply, as rmw_cyclonedds names them."""
@@ -97,9 +96,7 @@ class Service(threading.Thread):
     def _respond(self, raw: bytes) -> None:
         request = self._request.decode(raw)
         told = {name: getattr(request, name) for name in CALLER}
-        store: Any = self._response.store
-        response = compose(store, self._response.name, {**self._answer(request), **told})
-        if not self._writer.write(serialized(self._response, response)):
+        if not self._writer.write(bytes_of_fields(self._response, {**self._answer(request), **told})):
             self.node.notes.add(f"slow client, dropped a reply of {self.service}")
 
     def _note_strangers(self) -> None:

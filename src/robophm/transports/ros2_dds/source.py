@@ -70,15 +70,12 @@ class Ros2(ListeningSource):
 
         ``fields`` is empty where the definition of the type is not known.
         """
-        counts = self._run.hearing.counts if self._run else {}
         found: dict[str, TopicInfo] = {}
         for offer in self._offers():
             topic = offer.topic.removeprefix("rt")
             if offer.topic.startswith("rt/") and topic not in found:
                 name = name_of_dds(offer.type) or offer.type
-                count = counts.get(topic)
-                messages, first, last = (count.messages, count.first, count.last) if count else (0, None, None)
-                found[topic] = TopicInfo(topic, name, messages, first, last, self._fields_of(topic, offer))
+                found[topic] = TopicInfo(topic, name, *self._counted(topic), self._fields_of(topic, offer))
         return [found[topic] for topic in sorted(found)]
 
     def _offers(self) -> list[Offer]:

@@ -6,7 +6,8 @@ import os
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -54,27 +55,37 @@ def split(drive: Path, folder: Path, compression: str = "NONE") -> list[Path]:
     return paths
 
 
+def stretches_of(recording: Any, digest: str) -> Iterator[tuple[str, Callable[[Any], None]]]:
+    """The name of each file, and what writes its messages by a writer of rosbags; ``digest``: its word for that."""
+    with recording as reader:
+        messages = list(reader.messages())
+        starts = sorted({time // LENGTH for _, time, _ in messages})
+
+        def write(writer: Any, start: int) -> None:
+            new = {
+                one.id: writer.add_connection(one.topic, one.msgtype, msgdef=one.msgdef.data, **{digest: one.digest})
+                for one in reader.connections
+            }
+            for connection, time, raw in messages:
+                if time // LENGTH == start:
+                    writer.write(new[connection.id], time, raw)
+
+        for start in starts:
+            yield f"drive_{start - starts[0]:03}", partial(write, start=start)
+
+
 def bags(drive: Path, folder: Path, compression: str) -> list[Path]:
     from rosbags.rosbag1 import Reader, Writer
 
     folder.mkdir()
-    with Reader(drive) as reader:
-        messages = list(reader.messages())
-        starts = sorted({time // LENGTH for _, time, _ in messages})
-        paths = []
-        for start in starts:
-            paths.append(folder / f"drive_{start - starts[0]:03}.bag")
-            writer = Writer(paths[-1])
-            if compression != "NONE":
-                writer.set_compression(Writer.CompressionFormat[compression])
-            with writer:
-                new = {
-                    one.id: writer.add_connection(one.topic, one.msgtype, msgdef=one.msgdef.data, md5sum=one.digest)
-                    for one in reader.connections
-                }
-                for connection, time, raw in messages:
-                    if time // LENGTH == start:
-                        writer.write(new[connection.id], time, raw)
+    paths = []
+    for name, write in stretches_of(Reader(drive), "md5sum"):
+        paths.append(folder / f"{name}.bag")
+        writer = Writer(paths[-1])
+        if compression != "NONE":
+            writer.set_compression(Writer.CompressionFormat[compression])
+        with writer:
+            write(writer)
     return paths
 
 
@@ -82,19 +93,11 @@ def databases(drive: Path, folder: Path, compression: str) -> list[Path]:
     from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 
     folder.mkdir()
-    with Reader(drive) as reader:
-        messages = list(reader.messages())
-        starts = sorted({time // LENGTH for _, time, _ in messages})
-        paths = []
-        for start in starts:
-            name = f"drive_{start - starts[0]:03}"
-            with Writer(folder.parent / name, version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
-                new = {one.id: writer.add_connection(one.topic, one.msgtype, msgdef=one.msgdef.data, rihs01=one.digest)
-                       for one in reader.connections}  # fmt: skip
-                for connection, time, raw in messages:
-                    if time // LENGTH == start:
-                        writer.write(new[connection.id], time, raw)
-            paths.append((folder.parent / name / f"{name}.db3").rename(folder / f"{name}.db3"))
+    paths = []
+    for name, write in stretches_of(Reader(drive), "rihs01"):
+        with Writer(folder.parent / name, version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
+            write(writer)
+        paths.append((folder.parent / name / f"{name}.db3").rename(folder / f"{name}.db3"))
     return paths
 
 
