@@ -196,7 +196,10 @@ def test_the_master_that_is_started_anew_is_told_again(system: System, monkeypat
     monkeypatch.setenv("ROS_IP", "127.0.0.1")
     outlet = Outlet(1, Node, Publisher, Service)
     TaskService(outlet, TaskAssessor(parse(DESIGN)))
-    listed = lambda: "/phm/assess_task" in system.run("/usr/bin/rosservice", "list")  # noqa: E731
+
+    def listed() -> bool:
+        return "/phm/assess_task" in system.run("/usr/bin/rosservice", "list")
+
     try:
         within(10, listed)
         system.stop_master()
