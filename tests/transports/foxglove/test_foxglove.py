@@ -12,7 +12,8 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -208,33 +209,52 @@ def test_frames_that_hold_no_message(frame: bytes) -> None:
     assert message_in(frame) is None
 
 
-@pytest.fixture
-def evil() -> Iterator[Any]:
-    """A server that says what a test wants, and closes; by the websockets package."""
+@contextmanager
+def served(say: Callable[[Any], None]) -> Iterator[str]:
+    """The place of a server that does this with each connection; by the websockets package."""
     from websockets.sync.server import serve
-
-    script: list[Any] = []
-
-    def say(connection: Any) -> None:
-        for one in script:
-            connection.send(one)
-        for _ in connection:
-            pass
 
     with serve(say, "127.0.0.1", 0, subprotocols=["foxglove.websocket.v1"], compression=None) as server:
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
-        yield script, f"foxglove://127.0.0.1:{server.socket.getsockname()[1]}"
+        yield f"foxglove://127.0.0.1:{server.socket.getsockname()[1]}"
         server.shutdown()
         thread.join()
 
 
-def test_hostile_messages_are_counted_and_the_rest_is_heard(evil: Any) -> None:
-    script, place = evil
-    fine = {"id": 3, "topic": "/a", "encoding": "cdr", "schemaName": "std_msgs/msg/Float64", "schema": "float64 data\n"}
-    said = [{"op": "advertise", "channels": [None, fine]}, {"op": "unadvertise", "channelIds": [[1], 99]},
+FINE = {"id": 3, "topic": "/a", "encoding": "cdr", "schemaName": "std_msgs/msg/Float64", "schema": "float64 data\n"}
+
+
+def test_hostile_messages_are_counted_and_the_rest_is_heard() -> None:
+    said = [{"op": "advertise", "channels": [None, FINE]}, {"op": "unadvertise", "channelIds": [[1], 99]},
             {"op": "serverInfo", "capabilities": 5}, {"op": "status", "level": 2}]  # fmt: skip
-    script += ["{", "[]", "7", b"\1" + bytes(20), b"", *map(json.dumps, said)]
-    with Foxglove(place) as source:
+
+    def say(connection: Any) -> None:
+        for one in ["{", "[]", "7", b"\1" + bytes(20), b"", *map(json.dumps, said)]:
+            connection.send(one)
+        for _ in connection:
+            pass
+
+    with served(say) as place, Foxglove(place) as source:
         assert [info.topic for info in source.topics()] == ["/a"]
         assert source.notes["malformed message of the server"] == 3
+
+
+def test_a_channel_that_is_announced_before_it_can_be_subscribed() -> None:
+    """The words are those of the SDK's server, which sends an announcement before it knows the channel itself."""
+    asked: list[Any] = []
+
+    def say(connection: Any) -> None:
+        connection.send(json.dumps({"op": "advertise", "channels": [FINE]}))
+        for frame in connection:
+            asked.append(json.loads(frame))
+            if len(asked) < 3:
+                connection.send(json.dumps({"op": "status", "level": 2, "message": "Unknown channel ID: 3"}))
+            elif len(asked) == 3:
+                number = asked[-1]["subscriptions"][0]["id"]
+                connection.send(b"\1" + struct.pack("<IQ", number, 0) + FLOAT64 + struct.pack("<d", 2.5))
+
+    with served(say) as place, Foxglove(place) as source:
+        heard = Heard(source, "/a.data")
+        within(8, lambda: heard.of("/a.data") == [2.5])
+    assert [one["op"] for one in asked[:3]] == ["subscribe"] * 3

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import threading
 import time
 import uuid
+from collections import Counter
 from collections.abc import Collection, Iterator
 from itertools import count
 from typing import Any
@@ -32,6 +34,12 @@ from robophm.transports.signals.source import LiveItem, TopicInfo
 
 DISCOVERY_SECONDS = 1.0
 """Seconds from the first connection until the channels that a server has are taken to be known."""
+
+AGAIN_SECONDS, MOST_AGAIN = 0.2, 10
+"""Seconds until a channel is subscribed again that the server refused, and how many times that is done."""
+
+LONGEST_STATUS = 1000
+"""Characters of a server's warning that are read."""
 
 
 class Foxglove(ListeningSource):
@@ -103,6 +111,9 @@ class Foxglove(ListeningSource):
                     self._listening.let_go(gone)
         elif op == "status" and message.get("level") in (1, 2):
             self._notes.add("the server warns, as its own log says")
+            with self._lock:
+                if self._listening:
+                    self._listening.refused(str(message.get("message"))[:LONGEST_STATUS])
 
     def heard(self, subscription: int, raw: bytes) -> None:
         """Take a message on a topic; called in the connection's thread."""
@@ -203,6 +214,8 @@ class _Listening:
         """Subscriptions by the numbers of their channels."""
         self._types: dict[str, str] = {}
         """The type that was last heard on a topic."""
+        self._refusals: Counter[int] = Counter()
+        """How many times each channel was refused."""
 
     def take_in(self, channel: Channel) -> None:
         """Subscribe a channel, where it is wanted and can be decoded."""
@@ -221,7 +234,24 @@ class _Listening:
         number = next(self._numbers)
         self._decoders[number] = decoder
         self._subscribed[channel.id] = number
-        self._source.connection.send(text("subscribe", subscriptions=[{"id": number, "channelId": channel.id}]))
+        self._ask(channel.id, number)
+
+    def _ask(self, channel: int, number: int) -> None:
+        """Send a subscription, where it is still wanted."""
+        if self._subscribed.get(channel) == number and number in self._decoders:
+            self._source.connection.send(text("subscribe", subscriptions=[{"id": number, "channelId": channel}]))
+
+    def refused(self, status: str) -> None:
+        """Subscribe again the channels that a warning of the server names.
+
+        The server of Foxglove's SDK announces a channel before it can be subscribed: who is quicker is refused.
+        """
+        for channel in {int(one) for one in re.findall(r"[0-9]{1,15}", status)} & self._subscribed.keys():
+            self._refusals[channel] += 1
+            if self._refusals[channel] <= MOST_AGAIN:
+                again = threading.Timer(AGAIN_SECONDS, self._ask, (channel, self._subscribed[channel]))
+                again.daemon = True
+                again.start()
 
     def _decoder(self, channel: Channel) -> TopicDecoder:
         try:
