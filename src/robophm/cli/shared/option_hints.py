@@ -27,7 +27,6 @@ OPTIONS = {
     "expected its threshold": "expected --threshold",
     "and the load at which readings are compared": "and --load, the load at which readings are compared",
     "expected one for each setting": "expected one for each of --settings",
-    "holds no design; expected a mapping that starts with 'schema_version: 1'": "holds no design; expected a mapping that starts with 'schema_version: 1'; `robophm new` makes one of a URDF",
     "cannot be told of alarms": "cannot be told of alarms (--notify)",
     "no such store": "no such store; `robophm replay --store` makes it",
 }
