@@ -11,8 +11,8 @@ from robophm.design.importers.bom.wide_band_gap_series import GAN_TRANSISTORS, S
 KINDS: Mapping[str, str] = {
     # From the special to the general: the first whose words are in a row is what it is. English, German, French; and
     # of semiconductors the beginnings of usual part numbers, for many lists say nothing else of them.
-    "no part": r"test ?points?|testpads?|measure?ment ?points?|(mounting|tooling|m[2-8](\.5)?) ?holes?|fiducials?|logo|silkscreen|"
-    r"solder ?jumper|messpunkt",
+    "no part": r"test ?points?|testpads?|measure?ment ?points?|(mounting|tooling|m[2-8](\.5)?) ?holes?|"
+    r"fiducials?|logo|silkscreen|solder ?jumper|messpunkt",
     "hardware": r"m[1-9][0-9]?(\.5)? ?x ?([4-9]|[1-9][0-9]+)(\.[0-9]+)?( ?mm)?|(flat|socket|button|pan|hex)[ -]?heads?|"
     r"stand-?offs?|spacers?|screws?|bolts?|nuts?|washers?|rivets?|heat ?sinks?|schrauben?|muttern?|"
     r"abstandsbolzen|kühlkörper|labels?|etiketten?|zip ?ties?|heat ?shrink( tub(e|ing))?|cable ?ties?|fasteners?",
@@ -21,7 +21,8 @@ KINDS: Mapping[str, str] = {
     r"gears?|gear ?box(es)?|pulleys?|sprockets?|chains?|belts?|shafts?|axles?|couplers?|couplings?|"
     r"springs?|brackets?|"
     r"plates?|chassis|enclosures?|housings?|lids?|hinges?|clamps?|extrusions?|horns?|magnets?|o-?rings?|bumpers?|"
-    r"handles?|levers?|covers?|frames?|knobs?|holders?|(caster ?)?balls?|(?<!panel )(?<!board )(?<!surface )(?<!chassis )(?<!hole )mounts?|"
+    r"handles?|levers?|covers?|frames?|knobs?|holders?|"
+    r"(caster ?)?balls?|(?<!panel )(?<!board )(?<!surface )(?<!chassis )(?<!hole )mounts?|"
     r"kugellager|wälzlager|zahnr[aä]d(er)?|räder|gehäuse|wellen?|federn?|roulements?|roues?|engrenages?|ressorts?",
     "whole device": r"\w*lidars?|jetson\w*|raspberry ?pi\w*|rpi ?(pico|zero|cm|[2-5])\w*|nucleo\w*|"
     r"daisy ?seed|arduino\w*|teensy\w*|beagle ?bone\w*|cameras?|webcams?|"
@@ -34,7 +35,8 @@ KINDS: Mapping[str, str] = {
     r"fans?|blowers?|lüfter|ventilat(or|eur)(en|s)?|"
     r"(relay|sensor|driver|gps|charger|converter|regulator|power|radio|wi-?fi|bluetooth) ?modules?",
     "cable": r"cables?|wires?|kabel|leitung(en)?|câbles?|cords?",
-    "resettable fuse": r"mf-[a-z]{1,4}[0-9]\w*|r[xu]ef[0-9]+|(mini|micro|nano)smd[a-z]?[0-9]\w*|pptcs?|poly-?fuses?|poly-?switch(es)?|res(e|et)tt?able( fuses?)?|restt?ble|ptc[ -]?fuses?",
+    "resettable fuse": r"mf-[a-z]{1,4}[0-9]\w*|r[xu]ef[0-9]+|(mini|micro|nano)smd[a-z]?[0-9]\w*|"
+    r"pptcs?|poly-?fuses?|poly-?switch(es)?|res(e|et)tt?able( fuses?)?|restt?ble|ptc[ -]?fuses?",
     "thermistor": r"thermistors?|ntc|ptc|heißleiter|kaltleiter",
     "varistor": r"varistors?|mov",
     "optocoupler": r"opto-?couplers?|opto-?isolators?|photo-?couplers?|optokoppler|pc817\w*|"
