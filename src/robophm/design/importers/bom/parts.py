@@ -262,7 +262,7 @@ class _Said:
         elif kind in ("relay", "switch", "circuit breaker"):
             found["contact_form"] = self.contact_form()
         if kind in _WITH_VOLTAGE:
-            found["rated_voltage"] = self.rated_voltage(kind)
+            found["rated_voltage"] = self._rated_voltage(kind)
         if kind in _WITH_CURRENT:
             found["rated_current"] = first(CURRENT, "A", self.value, self.rest)
         known = {name: text for name, text in found.items() if text}
@@ -306,7 +306,7 @@ class _Said:
             "tolerance": f"{tolerance[1]} %" if tolerance else None,
         }
 
-    def rated_voltage(self, kind: str) -> str | None:
+    def _rated_voltage(self, kind: str) -> str | None:
         """What a column of voltages or the value says, else the maker's number, else other words."""
         said = first(VOLTAGE, "V", with_unit(self.column["voltage"], "V"), self.value)
         if said and kind in _RECTIFYING and float(said.split()[0]) < _FORWARD:

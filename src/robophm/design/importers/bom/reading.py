@@ -113,7 +113,7 @@ class _List:
                 f"the sheet '{name}' looks like a parts list too and is not read; a mapping with sheet: {name} reads it"
             )
             self.notes.append(Note(self.table.header_row, text))
-        rows = self.told_once(rows)
+        rows = self._told_once(rows)
         for i, row in enumerate(rows):
             ends = _SUM.match(next(cell for cell in row.cells if cell))
             if ends and not self.any_parts(rows[i:]):
@@ -129,14 +129,14 @@ class _List:
             )
         return PartsList(self.table, tuple(self.parts), tuple(self.errors), tuple(self.left_out), tuple(self.notes))
 
-    def told_once(self, rows: Sequence[Row]) -> list[Row]:
+    def _told_once(self, rows: Sequence[Row]) -> list[Row]:
         """The rows without sections that name the same parts as another: one for each, and all of a kind in one row.
 
         A section begins with the header, told again. Of those that name the same the shortest is taken.
         """
-        starts = [0, *(i for i, row in enumerate(rows) if self.is_header(row)), len(rows)]
+        starts = [0, *(i for i, row in enumerate(rows) if self._is_header(row)), len(rows)]
         sections = [rows[start:end] for start, end in pairwise(starts)]
-        named = [frozenset(self.references_in(section)) for section in sections]
+        named = [frozenset(self._references_in(section)) for section in sections]
         taken = {named[i]: i for i in sorted(range(len(sections)), key=lambda i: -len(sections[i]))}
         found: list[Row] = []
         for i, section in enumerate(sections):
@@ -148,13 +148,13 @@ class _List:
                 found += section
         return found
 
-    def references_in(self, rows: Sequence[Row]) -> Iterator[str]:
+    def _references_in(self, rows: Sequence[Row]) -> Iterator[str]:
         for row in rows:
-            if not self.is_header(row):
+            if not self._is_header(row):
                 with suppress(ReferencesError):
                     yield from expand(self.cell(row, "reference"))
 
-    def is_header(self, row: Row) -> bool:
+    def _is_header(self, row: Row) -> bool:
         """Whether a row is the header again."""
         cells = [self.cell(row, column.field) for column in self.table.columns]
         return any(cells) and all(
@@ -253,7 +253,7 @@ class _List:
 
     def no_part(self, row: Row, said: Mapping[str, str]) -> str:
         """The reason why a row is no part: the header again, a heading, a sum; '' where it is one."""
-        if self.is_header(row):
+        if self._is_header(row):
             return "is the header again"
         filled = [cell for cell in said.values() if cell]
         if (
