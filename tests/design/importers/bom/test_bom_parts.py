@@ -157,6 +157,9 @@ def test_what_is_not_fitted_is_left_out_and_said(tmp_path, header, cells, fitted
         ("RV1", {"value": "10k", "footprint": "Potentiometer_THT:Bourns"}, "potentiometer", {}),
         ("RV1", {"value": "S14K275"}, "", {}),
         # What real lists of others had wrong, in words of our own.
+        ("IC2", {"value": "FT999", "description": "USB to serial bridge"}, "microcircuit", {}),
+        ("J2", {"value": "MB-7", "description": "USB micro B"}, "connector", {}),
+        ("", {"description": "I2S amplifier add-on"}, "whole device", {}),
         ("F1", {"value": "2A", "footprint": "lands:r_1206", "part_number": "MF-NSMF110-2"}, "resettable fuse", {}),
         ("F2", {"value": "1A", "footprint": "smd_resistors:r_1206"}, "fuse", {}),
         ("D7", {"value": "0.4V", "part_number": "MBRS140"}, "schottky diode", {"rated_voltage": None}),

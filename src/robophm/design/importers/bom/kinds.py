@@ -286,7 +286,9 @@ def _named_after_itself(row: Spoken) -> bool:
 
 def _named(lettered: tuple[str, ...], row: Spoken) -> str:
     """The kind that words name, against the letters or without any."""
-    for cell in row.names if lettered else (*row.names, row.value, row.note):
+    circuit = not _CIRCUITS.isdisjoint(lettered)
+    for said in row.names if lettered else (*row.names, row.value, row.note):
+        cell = _BUS.sub("", said) if circuit else said  # a circuit for USB is no plug
         if found := _first(_ELECTRONIC, _beginning(cell)) or _first(_ELECTRONIC, cell):
             board = not row.footprint and not lettered and found in MICROCIRCUITS and _ON_BOARDS.search(cell)
             return DEVICE if board and not _by_number(found, f"{cell} {row.value} {row.part_number}") else found
@@ -352,6 +354,9 @@ _ELECTRONIC = tuple(kind for kind in KINDS if kind not in OTHER)
 _CONNECTS = frozenset({"connector", "socket"})
 _CIRCUITS = frozenset(MICROCIRCUITS)
 _IN_UNITS = frozenset({"resistor", "capacitor", "inductor", "crystal"})
+_BUS = re.compile(r"(?<![^\W_])usb(?![^\W_])", re.IGNORECASE)
+"""What a connector is called by, and a circuit only serves."""
+
 _SHAPE = re.compile(r"(R|C|L|CP|LED|FB)[_-]?(?:0[1-9][0-9]{2,3}|1[0-9]{3}|2[0-9]{3})(?![0-9])", re.IGNORECASE)
 """Land patterns that say by a letter what stands on them: R0603, C_0805_2012Metric."""
 
@@ -365,7 +370,7 @@ _CATALOGUE = re.compile(
     re.IGNORECASE,
 )
 _ON_BOARDS = re.compile(
-    r"accelerometers?|gyro\w*|magnetometers?|compass|imus?|\w+ sensors?|drivers?|v?reg|regulators?|"
+    r"accelerometers?|gyro\w*|magnetometers?|compass|imus?|\w+ sensors?|amplifiers?|drivers?|v?reg|regulators?|"
     r"\w*regler|controllers?|converters?|dc-?dc|treiber",
     re.I,
 )

@@ -232,7 +232,8 @@ class _List:
         doubled = [name for name, times in Counter(references).items() if times > 1]
         if doubled:
             self.notes.append(Note(row.number, f"{', '.join(doubled[:5])} stand several times in this row"))
-        words = (described.value, described.part_number, described.description, described.library)
+        code = described.part_number if re.search(r"[A-Za-z]", described.part_number) else ""  # 938 names nothing
+        words = (described.value, code, described.description, described.library, described.part_number)
         name = _short_references(references) or next(filter(None, words), "")
         recognised = recognise(references, described, self.table.decimal)
         if recognised.kind in NO_PARTS:
