@@ -248,5 +248,6 @@ def _page(
     lines += [f"- {one.part or robot.name}: {one.input} from {' and '.join(one.signals)}: {one.seen}"
               + (f"; assumed: {one.assumed}" if one.assumed else "") for one in bound]  # fmt: skip
     lines += [f"- not bound: {one}" for one in unbound]
+    lines += [] if bound or unbound else ["- none: neither a recording nor a robot that runs told of any"]
     lines += ["", "## Else", "", *(f"- {one}" for one in (*notes, *lists, *_NOT_IN))]
     return "\n".join(printable(line) for line in lines) + "\n"
