@@ -50,7 +50,7 @@ peers:
 	@sh tools/browser
 
 test: lint peers
-	$(BIN)/pytest -n 3 --durations=10 --durations-min=1
+	$(BIN)/pytest -n 4 --durations=10 --durations-min=1
 
 # `make test` has a twenty-fifth of the calibration, by a fixed seed, and skips the peers of the extra `peers`.
 test-full: setup
