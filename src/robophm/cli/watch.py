@@ -50,6 +50,7 @@ from robophm.stores.alarm_log import AlarmsInMemory
 from robophm.stores.store import Store
 from robophm.transports.health_topics import HealthTopics, Outlet, PartReports, TaskService
 from robophm.transports.recordings.journal import Journal
+from robophm.transports.running_robot import Live as RunningRobot
 from robophm.transports.running_robot import open_live
 from robophm.transports.signals.report_sink import JudgedTask, ReportSink
 from robophm.transports.tasks.listener import topics_to_hear
@@ -93,6 +94,8 @@ def _only(asked: Watched) -> None:
         refuse_unused("JSON, in 1/h", [*used, "frame"])
     if not asked.publish:
         refuse_unused("a robot whose health is not published", [*used, "unit"])
+    if asked.reports and not asked.publish:
+        raise RobophmError("reports of parts are taken where health is published; expected no --no-publish")
     if asked.reports and not asked.store:
         raise RobophmError("reports of parts go into the robot's past; expected --store with --reports")
 
@@ -186,26 +189,8 @@ def run(design: Path, asked: Watched) -> bool:
             warn(words.replace("the recording has no topic", not_yet))
         kept = stack.enter_context(open_store(asked.store)) if asked.store else None
         written = stack.enter_context(Journal(asked.journal, robot.signals)) if asked.journal else None
-        sinks = []
-        assessor = None
-        if asked.reports and not opened.server:
-            warn(f"reports of parts are not taken: {source.place} has no services")
-        if asked.publish and not opened.publisher:
-            warn(f"health is not published: {source.place} takes no messages of ROS")
-        elif asked.publish and opened.publisher:
-            outlet = Outlet(opened.generation, opened.node, opened.publisher, opened.server)
-            topics = stack.enter_context(HealthTopics(robot, outlet, namespace=asked.namespace, frame=asked.frame))
-            sinks.append(topics)
-            assessor = TaskAssessor(robot)
-            service = TaskService(outlet, assessor, asked.namespace)
-            if service.unknown:
-                warn(f"not served: {service.unknown}")
-            if asked.reports and opened.server:
-                _take_reports(robot, outlet, asked)
-            if topics.left_out:
-                warn(f"{topics.left_out} parts have no topic of their own: there are too many")
-            for words in topics.unknown.values():
-                warn(f"not published: {words}")
+        topics, assessor = _to_ros(robot, opened, asked)
+        sinks = [stack.enter_context(topics)] if topics else []
 
         out = console()
         to_terminal = out.is_terminal and not asked.as_json
@@ -227,12 +212,29 @@ def run(design: Path, asked: Watched) -> bool:
     return bool(health.breaches)
 
 
-def _take_reports(robot: Robot, outlet: Outlet, asked: Watched) -> None:
-    """Take reports of parts into the robot's past, or warn why that cannot be."""
-    note = partial(note_service, asked.store or "", robot)
-    taken = PartReports(outlet, robot, lambda said, key: note(said, key=key), asked.namespace)
-    if taken.unknown:
-        warn(f"not served: {taken.unknown}")
+def _to_ros(robot: Robot, opened: RunningRobot, asked: Watched) -> tuple[HealthTopics | None, TaskAssessor | None]:
+    """Publish health and serve those who ask, as far as that is wanted and can be; what cannot be is warned of."""
+    if asked.reports and not opened.server:
+        warn(f"reports of parts are not taken: {opened.source.place} has no services")
+    if not asked.publish:
+        return None, None
+    if not opened.publisher:
+        warn(f"health is not published: {opened.source.place} takes no messages of ROS")
+        return None, None
+    outlet = Outlet(opened.generation, opened.node, opened.publisher, opened.server)
+    topics = HealthTopics(robot, outlet, namespace=asked.namespace, frame=asked.frame)
+    assessor = TaskAssessor(robot)
+    unserved = [TaskService(outlet, assessor, asked.namespace).unknown]
+    if asked.reports and opened.server:
+        note = partial(note_service, asked.store or "", robot)
+        unserved.append(PartReports(outlet, robot, lambda said, key: note(said, key=key), asked.namespace).unknown)
+    for words in filter(None, unserved):
+        warn(f"not served: {words}")
+    if topics.left_out:
+        warn(f"{topics.left_out} parts have no topic of their own: there are too many")
+    for words in topics.unknown.values():
+        warn(f"not published: {words}")
+    return topics, assessor
 
 
 def _say_at_end(health: HealthReport, notes: Mapping[str, int], asked: Watched) -> None:
