@@ -6,7 +6,7 @@ CHECKED := src tests benchmarks tools
 # The tests start hundreds of commands: each would be compiled anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help setup demo demo-ros lint check peers test test-full test-fresh calibrate prognostics new-user fuzz integrity soak bench clean
+.PHONY: help setup demo demo-ros lint check peers test test-full test-page test-fresh calibrate prognostics new-user fuzz integrity soak bench clean
 .DEFAULT_GOAL := help
 
 help:
@@ -15,6 +15,7 @@ help:
 	@echo "make check      lint, types, floors, and the tests that your change touches: a minute"
 	@echo "make test       all checks and tests"
 	@echo "make test-full  what takes long too, and the peers that pip can install, half an hour"
+	@echo "make test-page  the page: what people come for in two clicks, and all its pictures (demo-output/pages), ten minutes"
 	@echo "make test-fresh both commands on machines that have nothing (as root; docs/fresh-machines.md)"
 	@echo "make calibrate  predictions against 20,000 robots that fail and 1,000 that wear (docs/calibration.md)"
 	@echo "make fuzz       1,200,000 damaged recordings, an hour or more (docs/guides/columns.md)"
@@ -57,6 +58,10 @@ test-full: setup
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[peers]"
 	$(MAKE) test calibrate
 	$(BIN)/pytest -n 2 -m full
+
+test-page: setup
+	@sh tools/browser
+	$(BIN)/pytest -s tests/web/page/scripted_visit.py
 
 test-fresh:
 	@sh tools/test-fresh
