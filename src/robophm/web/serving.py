@@ -7,9 +7,11 @@ import socket
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 import uvicorn
+from starlette.types import ASGIApp
 
 from robophm.core.errors import RobophmError
 from robophm.core.rate_limited_log import limit_rate
@@ -34,35 +36,61 @@ def serve(settings: Settings, port: int, ready: Callable[[str, Service, Callable
     Port 0 is any that is free. Raises RobophmError where the address cannot be had, or others reach it and there are no
     users; else as ``create_app``.
     """
-    limit_rate("uvicorn.error", "asyncio", "robophm")
-    supervisor = Supervisor()
-    with (
-        _heeding() as wish
-    ):  # from before there are threads: one that still computes when the process ends may abort it
+    with heeding() as wish:
         app = create_app(settings)
         service: Service = app.state.service
         try:
             certificate = _certificate(settings, service)
-            with _listen(settings.host, port) as listener:
-                connection = type("Connection", (BoundedConnection,), {
-                    "tls": tls_context(certificate, settings.key) if certificate else None,
-                    "is_proxy": staticmethod(service.visitors.proxies.believed),
-                })  # fmt: skip
-                config = uvicorn.Config(
-                    app, log_level="warning", access_log=False, http=connection, ws="websockets-sansio",
-                    ws_max_size=1 << 20, ws_max_queue=32, timeout_keep_alive=15,
-                    timeout_graceful_shutdown=2, server_header=False, proxy_headers=False, backlog=AT_ONCE,
-                )  # fmt: skip
-                wish.ends(server := _Server(config, supervisor))
-                host = f"[{settings.host}]" if ":" in settings.host else settings.host
-                address = f"{'https' if certificate else 'http'}://{host}:{listener.getsockname()[1]}/"
+
+            def begun(address: str) -> None:
                 service.fingerprint = fingerprint(certificate) if certificate else ""
                 ready(address, service, wish.stop)
-                supervisor.ready("serving")
-                server.run(sockets=[listener])
+
+            place = Place(settings.host, port, certificate, settings.key, service.visitors.proxies.believed)
+            serve_app(app, place, wish, begun)
         finally:
-            supervisor.ending()
             service.close()
+
+
+@dataclass(frozen=True)
+class Place:
+    """The place at which a service listens, and how."""
+
+    host: str
+    port: int
+    """Port to listen on; 0 is any that is free."""
+    certificate: Path | None = None
+    """Certificate for TLS, with its key unless that is in a file of its own; None: without TLS."""
+    key: Path | None = None
+    is_proxy: Callable[[str], bool] = lambda address: False
+    """Whether at an address is a proxy, which has connections of many."""
+
+
+def serve_app(app: ASGIApp, place: Place, wish: Wish, ready: Callable[[str], None]) -> None:
+    """Serve any application until it is wished to stop, nobody holding connections for nothing.
+
+    ``ready`` is told the address. Raises RobophmError where that cannot be had, or a certificate is none.
+    """
+    limit_rate("uvicorn.error", "asyncio", "robophm")
+    supervisor = Supervisor()
+    try:
+        with _listen(place.host, place.port) as listener:
+            connection = type("Connection", (BoundedConnection,), {
+                "tls": tls_context(place.certificate, place.key) if place.certificate else None,
+                "is_proxy": staticmethod(place.is_proxy),
+            })  # fmt: skip
+            config = uvicorn.Config(
+                app, log_level="warning", access_log=False, http=connection, ws="websockets-sansio",
+                ws_max_size=1 << 20, ws_max_queue=32, timeout_keep_alive=15,
+                timeout_graceful_shutdown=2, server_header=False, proxy_headers=False, backlog=AT_ONCE,
+            )  # fmt: skip
+            wish.ends(server := _Server(config, supervisor))
+            host = f"[{place.host}]" if ":" in place.host else place.host
+            ready(f"{'https' if place.certificate else 'http'}://{host}:{listener.getsockname()[1]}/")
+            supervisor.ready("serving")
+            server.run(sockets=[listener])
+    finally:
+        supervisor.ending()
 
 
 def _certificate(settings: Settings, service: Service) -> Path | None:
@@ -99,7 +127,7 @@ class _Server(uvicorn.Server):
         yield
 
 
-class _Wish:
+class Wish:
     """The wish to stop, which may come before there is a server."""
 
     def __init__(self) -> None:
@@ -119,9 +147,12 @@ class _Wish:
 
 
 @contextmanager
-def _heeding() -> Iterator[_Wish]:
-    """Take SIGINT and SIGTERM as the wish to stop; then as nothing, for what is left to end is the process."""
-    wish = _Wish()
+def heeding() -> Iterator[Wish]:
+    """Take SIGINT and SIGTERM as the wish to stop; then as nothing, for what is left to end is the process.
+
+    It has to begin before there are threads: one that still computes when the process ends may abort it.
+    """
+    wish = Wish()
     if threading.current_thread() is not threading.main_thread():
         yield wish
         return
