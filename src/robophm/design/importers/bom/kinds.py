@@ -355,7 +355,7 @@ _CONNECTS = frozenset({"connector", "socket"})
 _CIRCUITS = frozenset(MICROCIRCUITS)
 _IN_UNITS = frozenset({"resistor", "capacitor", "inductor", "crystal"})
 _BUS = re.compile(r"(?<![^\W_])usb(?![^\W_])", re.IGNORECASE)
-"""What a connector is called by, and a circuit only serves."""
+"""A word by which connectors are called, and circuits that only serve them."""
 
 _SHAPE = re.compile(r"(R|C|L|CP|LED|FB)[_-]?(?:0[1-9][0-9]{2,3}|1[0-9]{3}|2[0-9]{3})(?![0-9])", re.IGNORECASE)
 """Land patterns that say by a letter what stands on them: R0603, C_0805_2012Metric."""
