@@ -130,7 +130,7 @@ def _ros2(reason: str, period: float) -> Live:
         except SourceError as error:  # as where ROS 2 is sourced for the Python that it was built with
             why = str(error)
     rmw = os.environ.get("RMW_IMPLEMENTATION", "")
-    if _has("zenoh") and ("zenoh" in rmw or not _has("cyclonedds")):
+    if _has("zenoh") and ("zenoh" in rmw or not (_has("rclpy") or _has("cyclonedds"))):
         also = f"RMW_IMPLEMENTATION is {rmw}" if "zenoh" in rmw else "there is no cyclonedds"
         return _zenoh("zenoh", f"{reason}; {why}; {also}", period)
     if not _has("cyclonedds"):

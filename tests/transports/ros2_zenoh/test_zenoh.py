@@ -224,14 +224,18 @@ def test_a_client_by_the_design_is_answered(port: int, robot: Robot) -> None:
     within(8, lambda: not robot.there("SS", "/phm/assess_task"))
 
 
+@pytest.mark.parametrize("via", ["zenoh", "auto"])
 def test_the_robots_own_configuration_is_heeded(
-    port: int, robot: Robot, publish: Published, monkeypatch: pytest.MonkeyPatch
+    port: int, robot: Robot, publish: Published, monkeypatch: pytest.MonkeyPatch, via: str
 ) -> None:
     """As one of the robot's own nodes, which are told of each other by the router."""
     monkeypatch.setenv("ZENOH_CONFIG_OVERRIDE", f'connect/endpoints=["tcp/{LOOPBACK}:{port}"];listen/endpoints=[]')
     level = publish("/z/own", FLOAT64, latched=True)
     floats(level, 4.5)
-    opened_live = open_live("zenoh")
+    monkeypatch.setenv("ROS_VERSION", "2")
+    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_zenoh_cpp")
+    monkeypatch.setitem(sys.modules, "rclpy.context", None)  # as where ROS 2 is of another Python
+    opened_live = open_live(via)
     with opened_live.source as source:
         said = f"listening to ROS 2 (ros2_zenoh): domain {robot.domain}, the router at localhost:7447"
         assert opened_live.said.startswith(said)
