@@ -58,7 +58,7 @@ class Ros2Zenoh(Ros2):
         said = os.environ.get
         hints = [f"robots in other domains than {self._graph.place.domain} are not heard: set ROS_DOMAIN_ID"]
         if not self._graph.routers():
-            hints.append(f"no router answers: start rmw_zenohd, or name one, zenoh://host; looked for: {self.place}")
+            hints.append("no router answers: start rmw_zenohd on the robot, or name another, zenoh://host")
         if said("ZENOH_CONFIG_OVERRIDE"):
             hints.append("ZENOH_CONFIG_OVERRIDE is set: it may lead elsewhere")
         hints.append("nodes of another RMW than rmw_zenoh do not speak Zenoh")
