@@ -6,10 +6,11 @@ import time
 import uuid
 from collections import deque
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 from robophm.transports.ros2_dds.cyclone import AT_ONCE, HISTORY, Message
 from robophm.transports.ros2_zenoh.naming import Attachment, Entity, attachment_of
+from robophm.transports.ros2_zenoh.roster import Roster
 from robophm.transports.ros2_zenoh.session import undeclare, wheel
 
 MOST_PUBLISHERS = 10_000
@@ -19,27 +20,12 @@ HEARTBEAT_SECONDS = 0.5
 """Seconds after which subscribers of a latched topic are told how many messages there were."""
 
 
-class Session(Protocol):
-    """What an end needs of the graph that it is in."""
-
-    session: Any
-
-    def key(self, entity: Entity) -> str:
-        """Return the key of the topic of an entity."""
-
-    def declare(self, entity: Entity) -> Callable[[], None]:
-        """Tell of an entity; return what takes it back."""
-
-    def entities(self) -> dict[int, Entity]:
-        """Return who is there now."""
-
-
 class ZenohReader:
     """A reader of one topic; messages wait here until they are taken."""
 
     gid = b""
 
-    def __init__(self, graph: Session, entity: Entity) -> None:
+    def __init__(self, roster: Roster, entity: Entity) -> None:
         zenoh = wheel()
         self.entity = self
         self.woken: Callable[[], None] = lambda: None
@@ -47,15 +33,15 @@ class ZenohReader:
         self._lost = 0
         self._numbers: dict[bytes, int] = {}
         """The number of the latest message of each publisher."""
-        call, key = zenoh.handlers.Callback(self._heard, indirect=False), graph.key(entity)
+        call, key = zenoh.handlers.Callback(self._heard, indirect=False), roster.key(entity)
         if entity.latched:
             history = zenoh.ext.HistoryConfig(detect_late_publishers=True, max_samples=HISTORY)
             self._subscriber = zenoh.ext.declare_advanced_subscriber(
-                graph.session, key, call, history=history, subscriber_detection=True
+                roster.session, key, call, history=history, subscriber_detection=True
             )
         else:
-            self._subscriber = graph.session.declare_subscriber(key, call)
-        self._leave = graph.declare(entity)
+            self._subscriber = roster.session.declare_subscriber(key, call)
+        self._leave = roster.declare(entity)
 
     def _heard(self, sample: Any) -> None:
         """Take a message; called in a thread of Zenoh's."""
@@ -100,20 +86,20 @@ class ZenohWriter:
 
     gid = b""
 
-    def __init__(self, graph: Session, entity: Entity) -> None:
+    def __init__(self, roster: Roster, entity: Entity) -> None:
         zenoh = wheel()
-        self._graph, self._entity = graph, entity
+        self._roster, self._entity = roster, entity
         self._gid, self._number = uuid.uuid4().bytes, 0
         how = {"congestion_control": zenoh.CongestionControl.DROP, "reliability": zenoh.Reliability.RELIABLE}
         if entity.latched:
             missing = zenoh.ext.MissDetectionConfig(heartbeat=None, sporadic_heartbeat=HEARTBEAT_SECONDS)
             self._publisher = zenoh.ext.declare_advanced_publisher(
-                graph.session, graph.key(entity), **how, cache=zenoh.ext.CacheConfig(max_samples=1),
+                roster.session, roster.key(entity), **how, cache=zenoh.ext.CacheConfig(max_samples=1),
                 sample_miss_detection=missing, publisher_detection=True,
             )  # fmt: skip
         else:
-            self._publisher = graph.session.declare_publisher(graph.key(entity), **how)
-        self._leave = graph.declare(entity)
+            self._publisher = roster.session.declare_publisher(roster.key(entity), **how)
+        self._leave = roster.declare(entity)
 
     def write(self, raw: bytes) -> bool:
         """Send a serialised message; never waits."""
@@ -128,7 +114,7 @@ class ZenohWriter:
         own = self._entity
         return sum(
             (one.kind, one.topic, one.type, one.hash) == ("MS", own.topic, own.type, own.hash)
-            for one in self._graph.entities().values()
+            for one in self._roster.entities().values()
         )
 
     def close(self) -> None:

@@ -15,7 +15,7 @@ SPACE = "@ros2_lv"
 """The space of tokens, which no wildcard of a topic reaches."""
 
 Kind = Literal["NN", "MP", "MS", "SS", "SC"]
-"""What a token is of: a node, a publisher, a subscription, a server or a client."""
+"""The kind of an entity: a node, a publisher, a subscription, a server or a client."""
 
 LATCHED, BEST_EFFORT, DEFAULT_DEPTH = "1", "2", 42
 """Values of the quality of service in a token: of rmw's durability and reliability, and the depth that is not told."""
@@ -44,7 +44,7 @@ class Entity(NamedTuple):
 
 
 class Attachment(NamedTuple):
-    """What is beside a message: its number, when it was sent [ns since the epoch], and by whom."""
+    """The number of a message, the time when it was sent [ns since the epoch], and its publisher's identifier."""
 
     number: int
     time: int

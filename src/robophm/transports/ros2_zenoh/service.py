@@ -47,12 +47,12 @@ class Service(threading.Thread):
         self._over = threading.Event()
         self._asked: Queue[Any] = Queue(MOST_WAITING)
         node.serve(name, self)
-        graph: Any = node.graph
+        roster: Any = node.graph.roster  # type: ignore[attr-defined]
         entity = Entity("SS", node.name, name, dds_name(type_), hash_of_service(type_, definitions))
-        self._key = graph.key(entity)
+        self._key = roster.key(entity)
         call = wheel().handlers.Callback(self._ask, indirect=False)
-        self._queryable = graph.session.declare_queryable(self._key, call, complete=True)
-        self._leave = graph.declare(entity)
+        self._queryable = roster.session.declare_queryable(self._key, call, complete=True)
+        self._leave = roster.declare(entity)
         self.start()
 
     def _ask(self, query: Any) -> None:

@@ -57,7 +57,7 @@ class Ros2Zenoh(Ros2):
         """Return what could keep topics from being heard."""
         said = os.environ.get
         hints = [f"robots in other domains than {self._graph.place.domain} are not heard: set ROS_DOMAIN_ID"]
-        if not self._graph.routers():
+        if not self._graph.roster.routers():
             hints.append("no router answers: start rmw_zenohd on the robot, or name another, zenoh://host")
         if said("ZENOH_CONFIG_OVERRIDE"):
             hints.append("ZENOH_CONFIG_OVERRIDE is set: it may lead elsewhere")
