@@ -49,6 +49,7 @@ COMMANDS = {
     "doctor": "Say what is installed here and whether it works.",
     "data": "Look at measured data: `robophm data BAGS` lists it.",
     "alarms": "The alarms of a robot: which go on, since when and why, and who has taken note of them.",
+    "fleet": "Many robots: take their reports, and say how each is and which fail first.",
     "store": "Look after a store, where a robot's past is kept.",
 }  # fmt: skip
 """Each with the first line of its help."""
@@ -72,6 +73,7 @@ GROUPS = {
     ),
     "What lies ahead, and why": ("predict", "task", "importance", "why"),
     "Structure and faults": ("cutsets", "fault-tree", "fmeca", "diagnose"),
+    "Many robots": ("fleet",),
     "Learning and upkeep": ("learn", "fit", "wear", "maintain", "calibrate"),
     "To try it": ("demo", "simulate", "doctor"),
 }

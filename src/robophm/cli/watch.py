@@ -20,6 +20,7 @@ from rich.console import Console
 from rich.live import Live
 
 from robophm.cli import BREACHED
+from robophm.cli.shared.fleet import Fleet, fleet_address, sender
 from robophm.cli.shared.health_output import print_report
 from robophm.cli.shared.live_table import LiveTable
 from robophm.cli.shared.options import Design, GrowingStore, Json, Notify, Unit, Via
@@ -53,6 +54,7 @@ from robophm.transports.recordings.journal import Journal
 from robophm.transports.running_robot import Live as RunningRobot
 from robophm.transports.running_robot import open_live
 from robophm.transports.signals.report_sink import JudgedTask, ReportSink
+from robophm.transports.signals.source import LiveSource
 from robophm.transports.tasks.listener import topics_to_hear
 
 QUICK_END = 3.0
@@ -84,12 +86,14 @@ class Watched:
     as_json: bool
     reports: bool = False
     """Whether the robot may tell of its parts that they failed or were served."""
+    fleet: str | None = None
+    """The address at which a fleet takes the robot's reports."""
 
 
 def _only(asked: Watched) -> None:
     """Refuse what is not used for what is asked."""
     used = ["via", "store", "notify", "journal", "period", "every", "publish", "namespace", "tasks", "speed"]
-    used += ["function", "reports"]
+    used += ["function", "reports", "fleet"]
     if asked.as_json:
         refuse_unused("JSON, in 1/h", [*used, "frame"])
     if not asked.publish:
@@ -124,13 +128,14 @@ def command(
     reports: Annotated[
         bool, typer.Option("--reports", help="let anybody on ROS tell that parts failed or were served")
     ] = False,
+    fleet: Fleet = None,
     unit: Unit = "1/h",
     as_json: Json = False,
 ) -> None:
     """The health of a robot that runs, from ROS or MQTT and back to it, until it is interrupted."""
     asked = Watched(
         via, store, journal, period, every, namespace, publish, frame, tuple(tasks or ()), speed, tuple(function or ()),
-        tuple(notify or ()), unit, as_json, reports,
+        tuple(notify or ()), unit, as_json, reports, fleet,
     )  # fmt: skip
     if run(design, asked):
         raise typer.Exit(BREACHED)
@@ -169,6 +174,7 @@ def run(design: Path, asked: Watched) -> bool:
     for name in asked.functions:
         robot.diagram_of(name)  # which must be there
     speed = stated_speed(asked.speed)
+    fleet = fleet_address(asked.fleet, asked.store) if asked.fleet else None
     for warning in robot.warnings:
         warn(warning)
     supervisor = Supervisor()
@@ -178,16 +184,9 @@ def run(design: Path, asked: Watched) -> bool:
         source = stack.enter_context(opened.source)
         ends += [source.stop, source.close]
         print(opened.said, file=sys.stderr)
-        published = {info.topic: (info.type, info.fields) for info in source.topics()}
-        if not published:
-            warn(f"nothing is published yet at {source.place}")
-            for hint in source.hidden_by():
-                warn(hint, "hint")
-        lacks = missing_signals(robot, published)
-        not_yet = "nobody publishes yet" if opened.source.announced else "nothing was heard yet on"
-        for words in dict.fromkeys(lacks.values()):
-            warn(words.replace("the recording has no topic", not_yet))
+        _say_what_is_missing(robot, source)
         kept = stack.enter_context(open_store(asked.store)) if asked.store else None
+        sends = stack.enter_context(sender(asked.store, robot.identity, fleet)) if asked.store and fleet else None
         written = stack.enter_context(Journal(asked.journal, robot.signals)) if asked.journal else None
         topics, assessor = _to_ros(robot, opened, asked)
         sinks = [stack.enter_context(topics)] if topics else []
@@ -203,10 +202,12 @@ def run(design: Path, asked: Watched) -> bool:
                 task_topics=topics_to_hear(asked.tasks, asked.namespace, source.task_topics), speed=speed,
                 functions=asked.functions, on_clock=warn, on_start=lambda _: supervisor.ready("watching"),
                 on_tick=supervisor.alive, alarms=_alarms(robot, kept, [*sinks, shown], notices),
-                assessor=assessor,
+                assessor=assessor, for_fleet=fleet is not None,
             )  # fmt: skip
         supervisor.ending()
         notices.close()
+        if sends:
+            sends.close()
         health = monitor.report(alarms=True)
         _say_at_end(health, source.notes + notices.notes, asked)
     return bool(health.breaches)
@@ -235,6 +236,19 @@ def _to_ros(robot: Robot, opened: RunningRobot, asked: Watched) -> tuple[HealthT
     for words in topics.unknown.values():
         warn(f"not published: {words}")
     return topics, assessor
+
+
+def _say_what_is_missing(robot: Robot, source: LiveSource) -> None:
+    """Warn of signals of the design that nobody publishes yet."""
+    published = {info.topic: (info.type, info.fields) for info in source.topics()}
+    if not published:
+        warn(f"nothing is published yet at {source.place}")
+        for hint in source.hidden_by():
+            warn(hint, "hint")
+    lacks = missing_signals(robot, published)
+    not_yet = "nobody publishes yet" if source.announced else "nothing was heard yet on"
+    for words in dict.fromkeys(lacks.values()):
+        warn(words.replace("the recording has no topic", not_yet))
 
 
 def _say_at_end(health: HealthReport, notes: Mapping[str, int], asked: Watched) -> None:
