@@ -23,7 +23,7 @@ from robophm.report.minimal_sets import counted, left_out
 from robophm.report.words import number_text
 
 MOST_EVENTS = 1_000_000
-"""More events than a minimal cut set has: the smallest come first, whatever their number."""
+"""A number of events that no minimal cut set has, so that the smallest are listed whatever their number."""
 
 _MOST_WRITTEN = 10**4000  # Python writes no number of more than 4,300 digits
 
@@ -35,7 +35,7 @@ class System:
     name: str
     when: str
     found: TopEvent | None
-    """Its top event; None where constants and house events decide it."""
+    """The top event; None where constants and house events decide it."""
     rates: Mapping[str, float] = field(default_factory=dict)
     """Hazard rates of events that fail at a constant one [1/h]."""
     unknown: PartsOfUnknownRate | None = None
