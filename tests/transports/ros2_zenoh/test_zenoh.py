@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-import os
 import random
 import struct
-import subprocess
 import sys
 import time
 import uuid
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -254,23 +251,3 @@ def test_what_cannot_be_is_said(zenoh_wheel: None, monkeypatch: pytest.MonkeyPat
     monkeypatch.setenv("ROS_SECURITY_STRATEGY", "Enforce")
     with pytest.raises(SourceError, match="Zenoh is spoken here without security"):
         open_live("zenoh")
-
-
-def test_topics_are_listed_by_the_command(port: int, publish: Published, tmp_path: Path) -> None:
-    level = publish("/z/listed", FLOAT64, latched=True)
-    floats(level, 6.5)
-    command = [
-        sys.executable,
-        "-m",
-        "robophm",
-        "topics",
-        "--seconds",
-        "1",
-        "--via",
-        f"zenoh://{LOOPBACK}:{port}",
-        "--json",
-    ]
-    done = subprocess.run(command, cwd=tmp_path, env={**os.environ}, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert "/z/listed" in done.stdout
-    assert "6.5" in done.stdout
