@@ -14,7 +14,7 @@ COMMANDS = {
     "new": "Draft a robot's design from its URDF, its recordings and its parts lists, and say its first health.",
     "bind": "Propose bindings for the inputs of a design by what recordings have, and write those that are accepted.",
     "learn": "What failures in the field say of a design's rates.",
-    "service": "Tell a robot's ledger that a part was replaced, or repaired.",
+    "service": "Tell a robot's ledger that a part was replaced or repaired, or that it failed.",
     "fit": "Fit life data: distributions, lives at stress, repaired systems (needs robophm[fit]).",
     "maintain": "When to replace which part, with which spares, at what cost; whether watching it pays.",
     "wear": "The wear that signals show: trend, change, and what remains of parts and robot.",

@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from threading import Timer
 from types import FrameType
@@ -28,6 +29,7 @@ from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.task_words import stated_speed
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.counted_notes import FreshNotes
+from robophm.core.errors import RobophmError
 from robophm.core.json_values import plain
 from robophm.core.supervisor import Supervisor
 from robophm.design.file import load
@@ -39,6 +41,7 @@ from robophm.monitoring.alarm_watch import AlarmWatch
 from robophm.monitoring.live_loop import watch
 from robophm.monitoring.notices import Notices
 from robophm.monitoring.recording_sessions import missing_signals
+from robophm.monitoring.service_notes import note_service
 from robophm.monitoring.task_assessor import TaskAssessor
 from robophm.report.alarms import alarm_text
 from robophm.report.wear import ranked
@@ -46,8 +49,9 @@ from robophm.report.words import duration_text, number_text, probability_text, r
 from robophm.stores import open_store
 from robophm.stores.alarm_log import AlarmsInMemory
 from robophm.stores.store import Store
-from robophm.transports.health_topics import HealthTopics, Outlet, TaskService
+from robophm.transports.health_topics import HealthTopics, Outlet, PartReports, TaskService
 from robophm.transports.recordings.journal import Journal
+from robophm.transports.running_robot import Live as RunningRobot
 from robophm.transports.running_robot import open_live
 from robophm.transports.signals.report_sink import JudgedTask, ReportSink
 from robophm.transports.signals.source import LiveSource
@@ -80,6 +84,8 @@ class Watched:
     """Addresses that are told of alarms."""
     unit: str
     as_json: bool
+    reports: bool = False
+    """Whether the robot may tell of its parts that they failed or were served."""
     fleet: str | None = None
     """The address at which a fleet takes the robot's reports."""
 
@@ -87,11 +93,15 @@ class Watched:
 def _only(asked: Watched) -> None:
     """Refuse what is not used for what is asked."""
     used = ["via", "store", "notify", "journal", "period", "every", "publish", "namespace", "tasks", "speed"]
-    used += ["function", "fleet"]
+    used += ["function", "reports", "fleet"]
     if asked.as_json:
         refuse_unused("JSON, in 1/h", [*used, "frame"])
     if not asked.publish:
         refuse_unused("a robot whose health is not published", [*used, "unit"])
+    if asked.reports and not asked.publish:
+        raise RobophmError("reports of parts are taken where health is published; expected no --no-publish")
+    if asked.reports and not asked.store:
+        raise RobophmError("reports of parts go into the robot's past; expected --store with --reports")
 
 
 def command(
@@ -115,6 +125,9 @@ def command(
     ] = None,
     function: Annotated[list[str] | None, typer.Option(help="that tasks need; default the whole robot")] = None,
     notify: Notify = None,
+    reports: Annotated[
+        bool, typer.Option("--reports", help="let anybody on ROS tell that parts failed or were served")
+    ] = False,
     fleet: Fleet = None,
     unit: Unit = "1/h",
     as_json: Json = False,
@@ -122,7 +135,7 @@ def command(
     """The health of a robot that runs, from ROS or MQTT and back to it, until it is interrupted."""
     asked = Watched(
         via, store, journal, period, every, namespace, publish, frame, tuple(tasks or ()), speed, tuple(function or ()),
-        tuple(notify or ()), unit, as_json, fleet,
+        tuple(notify or ()), unit, as_json, reports, fleet,
     )  # fmt: skip
     if run(design, asked):
         raise typer.Exit(BREACHED)
@@ -175,22 +188,8 @@ def run(design: Path, asked: Watched) -> bool:
         kept = stack.enter_context(open_store(asked.store)) if asked.store else None
         sends = stack.enter_context(sender(asked.store, robot.identity, fleet)) if asked.store and fleet else None
         written = stack.enter_context(Journal(asked.journal, robot.signals)) if asked.journal else None
-        sinks = []
-        assessor = None
-        if asked.publish and not opened.publisher:
-            warn(f"health is not published: {source.place} takes no messages of ROS")
-        elif asked.publish and opened.publisher:
-            outlet = Outlet(opened.generation, opened.node, opened.publisher, opened.server)
-            topics = stack.enter_context(HealthTopics(robot, outlet, namespace=asked.namespace, frame=asked.frame))
-            sinks.append(topics)
-            assessor = TaskAssessor(robot)
-            service = TaskService(outlet, assessor, asked.namespace)
-            if service.unknown:
-                warn(f"not served: {service.unknown}")
-            if topics.left_out:
-                warn(f"{topics.left_out} parts have no topic of their own: there are too many")
-            for words in topics.unknown.values():
-                warn(f"not published: {words}")
+        topics, assessor = _to_ros(robot, opened, asked)
+        sinks = [stack.enter_context(topics)] if topics else []
 
         out = console()
         to_terminal = out.is_terminal and not asked.as_json
@@ -212,6 +211,31 @@ def run(design: Path, asked: Watched) -> bool:
         health = monitor.report(alarms=True)
         _say_at_end(health, source.notes + notices.notes, asked)
     return bool(health.breaches)
+
+
+def _to_ros(robot: Robot, opened: RunningRobot, asked: Watched) -> tuple[HealthTopics | None, TaskAssessor | None]:
+    """Publish health and serve those who ask, as far as that is wanted and can be; what cannot be is warned of."""
+    if asked.reports and not opened.server:
+        warn(f"reports of parts are not taken: {opened.source.place} has no services")
+    if not asked.publish:
+        return None, None
+    if not opened.publisher:
+        warn(f"health is not published: {opened.source.place} takes no messages of ROS")
+        return None, None
+    outlet = Outlet(opened.generation, opened.node, opened.publisher, opened.server)
+    topics = HealthTopics(robot, outlet, namespace=asked.namespace, frame=asked.frame)
+    assessor = TaskAssessor(robot)
+    unserved = [TaskService(outlet, assessor, asked.namespace).unknown]
+    if asked.reports and opened.server:
+        note = partial(note_service, asked.store or "", robot)
+        unserved.append(PartReports(outlet, robot, lambda said, key: note(said, key=key), asked.namespace).unknown)
+    for words in filter(None, unserved):
+        warn(f"not served: {words}")
+    if topics.left_out:
+        warn(f"{topics.left_out} parts have no topic of their own: there are too many")
+    for words in topics.unknown.values():
+        warn(f"not published: {words}")
+    return topics, assessor
 
 
 def _say_what_is_missing(robot: Robot, source: LiveSource) -> None:

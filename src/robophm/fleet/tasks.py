@@ -52,7 +52,7 @@ class Assigned(NamedTuple):
 
 
 class AssignedTasks(NamedTuple):
-    """Who takes which task."""
+    """The tasks that robots take, those that nobody takes, and how probably all are completed."""
 
     assigned: list[Assigned]
     all_completed: float

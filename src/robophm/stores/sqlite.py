@@ -35,6 +35,9 @@ from robophm.stores.upkeep import Upkeep
 
 _log = logging.getLogger(__name__)
 
+LARGEST_LOG = 4 << 20
+"""Bytes of the log beside the file, once its content is in the file: it may be longer while somebody reads on."""
+
 LONGEST_WAIT = 10.0
 """The most seconds to wait for others who write to the same store, or make it."""
 
@@ -80,6 +83,7 @@ class SqliteStore(Store, TakesRequests):
                     raise
                 time.sleep(0.01)
         self._base.execute("PRAGMA synchronous = FULL")
+        self._base.execute(f"PRAGMA journal_size_limit = {LARGEST_LOG}")
 
     def _look_into_log(self) -> None:
         """Say what of the log is not taken, which SQLite passes over, and keep that log beside the file."""

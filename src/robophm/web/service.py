@@ -232,12 +232,17 @@ class Service:
             unknown={path: rates_of(one) for path, one in prepared.unknown.items()} if prepared else {},
         )
 
+    def end_watching(self) -> None:
+        """End monitoring, whose past is kept; nothing is watched again by itself."""
+        self._ended.set()
+        self.monitoring.stop(within=QUICK_END)
+
     def close(self) -> None:
         """End monitoring and jobs; let go of files."""
-        self._ended.set()
-        for thread in self._threads:  # a thread that still computes when the process ends may abort it
+        self.end_watching()
+        for thread in self._threads:
             thread.join(timeout=LONGEST_END)
-        self.monitoring.stop(within=QUICK_END)
+        self.monitoring.stop(within=QUICK_END)  # one of them may just have begun to watch
         self.notices.close()
         self.jobs.close()
         self.workspace.close()
