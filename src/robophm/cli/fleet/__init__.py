@@ -12,6 +12,7 @@ COMMANDS = {
     "status": "How each robot of a fleet is, by what it last sent, and what was lost or refused.",
     "worst": "The robots that fail most probably within a horizon, worst first, and by what.",
     "history": "The figures of one robot over time.",
+    "assign": "Which robot takes which task, so that all are most probably completed, and why.",
     "export": "Write the reports of robots as a table, or their ledgers.",
 }
 
