@@ -12,6 +12,7 @@ from robophm.core.signal import DAY
 from robophm.health.ledger import Ledger
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
+from robophm.health.service import failures
 from robophm.health.unknown_rates import unknown
 from robophm.stores.store import History
 
@@ -73,7 +74,7 @@ def honest_past(plant: Plant, history: History, ledger: Ledger) -> HonestPast:
     needed = units | {unit.partition("[")[0] for unit in units}
     parts = {mode.key: part.path for part in robot.all_components() for mode in part.modes}
     served = [one.time for one in ledger.services]
-    failed = {(one.time, parts.get(one.mode, "")) for one in ledger.services if one.failed}
+    failed = {(one.time, parts.get(one.mode, "")) for one in failures(ledger)}
     alone = [at for at, part in failed if part in needed]
     spans = []
     for start in (last - MONTH, None):

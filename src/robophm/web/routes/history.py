@@ -121,7 +121,7 @@ class HonestyOfSpan(Shape):
     designed: float | None
     """The same by the nominal figures; null where these do not tell."""
     noted: int
-    """Failures of parts without which the robot does not work, as they were noted with a service."""
+    """Failures of parts without which the robot does not work, as they were noted, alone or with a service."""
     chance: float
     """Chance of a count as far off as this, if the promise was right."""
     says: str
