@@ -52,7 +52,7 @@ class HonestSpan:
 
 @dataclass(frozen=True)
 class HonestPast:
-    """What a robot's past tells of how honest its figures were."""
+    """The verdicts of a robot's past on how honest its figures were."""
 
     spans: tuple[HonestSpan, ...]
     """The last 30 days, then all that is known; without those of which the figures do not tell."""
