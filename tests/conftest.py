@@ -23,6 +23,7 @@ NO_FASTDDS = "no Fast DDS with its headers, or no g++ (sudo sh tools/ros-peers i
 NO_MOSQUITTO = "no Mosquitto, or no paho-mqtt (sudo sh tools/ros-peers installs the broker)"
 PEERS = Path(__file__).parents[1] / "tools" / "ros-peers"
 NO_CYCLONEDDS = "no cyclonedds wheel for this Python or machine"
+NO_ZENOH = "no eclipse-zenoh (pip install robophm[zenoh])"
 NO_RCLPY = "no rclpy (with ROS 2's setup sourced, it is there)"
 NO_BROWSER = "no chromium, no playwright, or the page is not built (sudo sh tools/browser; python hatch_build.py)"
 ANSWER = "published answer"
@@ -118,7 +119,7 @@ def answer(record_property: Callable[[str, object], None]) -> Callable[..., None
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Say how many tests what is absent has cost, and which published answers were compared."""
     reasons = [str(report.longrepr) for report in terminalreporter.stats.get("skipped", [])]
-    for absent in (NO_SHARED, NO_ROSCORE, NO_FASTDDS, NO_MOSQUITTO, NO_CYCLONEDDS, NO_RCLPY, NO_BROWSER):
+    for absent in (NO_SHARED, NO_ROSCORE, NO_FASTDDS, NO_MOSQUITTO, NO_CYCLONEDDS, NO_ZENOH, NO_RCLPY, NO_BROWSER):
         if skipped := sum(absent in reason for reason in reasons):
             terminalreporter.write_line(f"{skipped} tests skipped: {absent}", yellow=True)
     answers = [

@@ -89,7 +89,8 @@ def test_mistakes_are_one_line(inside, robot, tmp_path):
     for words, says in (
         (("fault-tree", "bad.xml"), "bad.xml:3: is no XML: no element found"),
         (("fault-tree", "none.xml"), "none.xml: cannot be read: No such file"),
-        (("fault-tree", "sure.xml"), "'g' always occurs: constants and house events decide it"),
+        (("fault-tree", "sure.xml", "--to", "again.xml"), "'g' has no basic events with probabilities"),
+        (("fault-tree", "half.xml", robot), "2 files with a robot's design; expected it alone"),
         (("cutsets", robot, "--function", "mve"), "no function 'mve'; did you mean 'move'?"),
         (("fault-tree", robot, "--to", "no/tree.xml"), "no such folder"),
         (
@@ -160,3 +161,42 @@ def test_an_estimate_where_nothing_else_is_wanted(inside, robot):
     done = inside("fault-tree", robot, "--monte-carlo", 1000, "--to", "other.xml")
     assert done.returncode == 2
     assert "--to: not used for a robot, whose top event is of --function, only estimated (--monte-carlo)" in done.stderr
+
+
+STRUCTURE = (
+    '<opsa-mef><define-fault-tree name="t"><define-gate name="g"><or><event name="c"/><and><event name="a"/>'
+    '<event name="b"/></and></or></define-gate>{}</define-fault-tree></opsa-mef>'
+)
+
+
+def test_a_tree_without_probabilities_has_cut_sets_alone(inside, tmp_path):
+    events = "".join(f'<define-basic-event name="{name}"/>' for name in "abc")
+    (tmp_path / "tree.xml").write_text(STRUCTURE.format(events))
+    said = json.loads(inside("fault-tree", "tree.xml", "--json").stdout)
+    assert (said["answer"], said["probability"], said["without_probability"]) == ("structure alone", None, 3)
+    assert said["cut_sets"]["count"] == 2
+    assert [(one["parts"], one["probability"]) for one in said["cut_sets"]["listed"]] == [
+        (["c"], None),
+        (["a", "b"], None),
+    ]
+    assert said["cut_sets"]["sum_of_probabilities"] is None
+    text = inside("fault-tree", "tree.xml").stdout
+    assert "g: 3 basic events have no probability, so that it has none" in text
+    assert "0.5" not in text
+    for more in (("--monte-carlo", 9), ("--to", "new.xml")):
+        assert inside("fault-tree", "tree.xml", *more).returncode == 3
+    assert not (tmp_path / "new.xml").exists()
+
+
+def test_a_model_of_two_files_and_one_that_constants_decide(inside, tmp_path):
+    data = "".join(f'<define-basic-event name="{name}"><float value="0.5"/></define-basic-event>' for name in "abc")
+    (tmp_path / "tree.xml").write_text(STRUCTURE.format(""))
+    (tmp_path / "data.xml").write_text(f"<opsa-mef><model-data>{data}</model-data></opsa-mef>")
+    said = json.loads(inside("fault-tree", "tree.xml", "data.xml", "--json").stdout)
+    assert (said["answer"], said["at_least"], said["at_most"]) == ("exact", 0.625, 0.625)
+    (tmp_path / "sure.xml").write_text(
+        '<opsa-mef><define-fault-tree name="t"><define-gate name="g"><not><house-event name="h"/></not></define-gate>'
+        '<define-house-event name="h"/></define-fault-tree></opsa-mef>'
+    )
+    assert "g: always occurs (exact)" in inside("fault-tree", "sure.xml").stdout
+    assert json.loads(inside("fault-tree", "sure.xml", "--json").stdout)["probability"] == 1.0

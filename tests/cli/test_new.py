@@ -7,6 +7,7 @@ import select
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 from tests.drafting.robots import ARM, DATA, arm, diagnostics, joints, record
@@ -92,6 +93,30 @@ def test_an_update_keeps_what_was_edited_and_the_tasks(inside, tmp_path, bag):
     assert len(load(path).signals) == 12
     assert (tmp_path / "tasks.yaml").read_text() == "mine"
     assert (tmp_path / "robot.yaml.bak").exists()
+
+
+def test_a_robot_of_which_nothing_was_recorded_is_said_to_have_no_signals(inside, tmp_path):
+    inside("new", "robot.yaml", "--urdf", URDF)
+    said = (tmp_path / "assumptions.md").read_text()
+    assert "## Signals\n\n- none: neither a recording nor a robot that runs told of any\n" in said
+
+
+def test_an_update_without_what_it_was_drafted_of_is_refused(inside, tmp_path, bag):
+    """Else its joints, or its signals, would go without a word."""
+    inside("new", "robot.yaml", "--urdf", URDF, "--bag", bag)
+    path = tmp_path / "robot.yaml"
+    before = path.read_text()
+    for given, says in [
+        (("--urdf", URDF), f"drafted of --bag {Path(bag).name}; an update without would take out"),
+        (("--bag", bag), f"drafted of --urdf {Path(URDF).name}; an update"),
+        ((), f"drafted of --urdf {Path(URDF).name} and --bag {Path(bag).name}; an update"),
+    ]:
+        refused = inside("new", "robot.yaml", *given, "--update", "--hours", "12")
+        assert (refused.returncode, says in refused.stderr) == (3, True), refused.stderr
+        assert path.read_text() == before
+    done = inside("new", "robot.yaml", "--urdf", URDF, "--bag", bag, "--update", "--hours", "12")
+    assert done.returncode == 0, done.stderr
+    assert len(load(path).signals) == 12
 
 
 def test_an_update_of_what_is_not_there_says_so(inside):

@@ -11,14 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.fleet.made_reports import report
 
 from robophm.fleet.address import FleetAddress
 from robophm.fleet.serving import FleetSettings, serve_fleet
 from robophm.fleet.store import FleetStore
 from robophm.stores.sqlite import SqliteStore
 
-MINUTE = 60 * 10**9
-BEGIN = 1_700_000_000 * 10**9
 DEADLINE = 60.0
 """Seconds after which a condition that is waited for will not come."""
 
@@ -71,22 +70,6 @@ def store(fleet: Served) -> Iterator[FleetStore]:
     """The store of that service, opened a second time, as the commands do."""
     with FleetStore(fleet.path) as opened:
         yield opened
-
-
-def report(minute: int, chance: float = 0.01, **more: Any) -> dict[str, Any]:
-    """A health report as JSON, as far as a fleet looks into it."""
-    view = {
-        "hazard_rate": 1e-4, "unreliability": 1e-3 * minute, "remaining_life": {"median": 5000.0 - minute},
-        "completion": {"failure": 2e-5},
-    }  # fmt: skip
-    ahead = [
-        {"horizon": hours, "sensor_based_failure": chance * hours / 168, "first": "motor", "share": 0.5, "bound": None}
-        for hours in (24.0, 168.0, 720.0)
-    ]
-    return {
-        "robot": "courier", "design_hash": "d1", "time": BEGIN + minute * MINUTE, "clocks": {"operating": minute / 60},
-        "subjects": [{"nominal": view, "sensor_based": view}], "state": "ok", "failure_within": ahead, **more,
-    }  # fmt: skip
 
 
 def saved(store: SqliteStore, minutes: range, *, begin: bool = True, each: int = 1, **more: Any) -> None:

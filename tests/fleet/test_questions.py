@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.fleet.conftest import BEGIN, MINUTE, wait_for
+from tests.fleet.conftest import wait_for
+from tests.fleet.made_reports import BEGIN, MINUTE
 
 import robophm
 from robophm.core.errors import RobophmError

@@ -13,7 +13,8 @@ import time
 import zlib
 
 import pytest
-from tests.fleet.conftest import BEGIN, MINUTE, report, serving, wait_for
+from tests.fleet.conftest import serving, wait_for
+from tests.fleet.made_reports import BEGIN, MINUTE, report
 
 from robophm.core.errors import StoreError
 from robophm.fleet import app as routes

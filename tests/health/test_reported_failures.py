@@ -13,7 +13,7 @@ from robophm.health.service import ServiceNote, failures, service_intervals, tak
 from robophm.monitoring.monitor import Monitor
 from robophm.stores.events import events_of
 
-ROBOT = parse("""
+WRITTEN = """
 schema_version: 1
 name: R
 task: {duration: 1 h}
@@ -27,7 +27,8 @@ components:
   lamp: {quantity: 2, rate: 1 FPMH}
   arm: {failure_modes: {a: {rate: 1 FPMH}, b: {rate: 2 FPMH}}}
 diagram: {series: [drive, lamp, {parallel: [bearing, arm]}]}
-""")
+"""
+ROBOT = parse(WRITTEN)
 START = 1_700_000_000 * SECOND
 AT = 40
 """Hours of operation after which parts fail."""
@@ -129,3 +130,18 @@ def test_what_cannot_be_noted_changes_nothing(monitor: Monitor) -> None:
     with pytest.raises(RobophmError, match="what waits to be replaced or repaired is neither yet"):
         ServiceNote("bearing", 0.5, failed=True, waits=True)
     assert monitor.ledger.to_json() == before
+
+
+def test_a_part_that_has_failed_stays_so_under_another_name_and_when_it_is_put_back(monitor: Monitor) -> None:
+    take_note(ROBOT, monitor.ledger, failed("bearing"))
+    kept = monitor.ledger.to_json()
+    renamed = parse(
+        WRITTEN.replace("  bearing: {", "  ring: {identity: bearing, ").replace("[bearing, arm]", "[ring, arm]")
+    )
+    assert Monitor(renamed, Ledger.of(renamed, kept)).report().system.flags == ("has failed: ring",)
+    without = parse(
+        "\n".join(line for line in WRITTEN.splitlines() if "  bearing:" not in line).replace("bearing, ", "")
+    )
+    gone = Ledger.of(without, kept)
+    assert Monitor(without, gone).report().system.flags == ()
+    assert Monitor(ROBOT, Ledger.of(ROBOT, gone.to_json())).report().system.flags == ("has failed: bearing",)

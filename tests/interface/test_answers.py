@@ -156,3 +156,31 @@ def test_robots_and_answers_show_themselves_in_a_line_and_as_a_table(folder):
         assert "\n" not in repr(one)
     (folder / "named.yaml").write_text(DESIGN.replace("name: R", "name: '<b>'"))
     assert "<th>&lt;b&gt;</th>" in robophm.predict("named.yaml")._repr_html_()
+
+
+TWINS = """
+schema_version: 1
+name: R
+environment: GM
+components:
+  left: {part: smart_servo}
+  right: {part: smart_servo}
+  c1: {hazard: {model: mil_hdbk_217f.fuse}}
+  c2: {hazard: {model: mil_hdbk_217f.fuse}}
+  own: {rate: 1e-5 /h}
+"""
+
+
+def test_parts_rated_alike_of_which_nothing_was_seen_are_named_and_keep_their_rate(folder):
+    (folder / "robot.yaml").write_text(TWINS)
+    (folder / "log.csv").write_text("part,exposure [h],censored\nleft/motor,900,no\nleft/motor,500,yes\nown,100,yes\n")
+    learned = robophm.learn("robot.yaml", ["log.csv"])
+    assert {one.mode.path for one in learned.rates} == {"left/motor", "left/gears", "own"}
+    (note,) = learned.notes
+    assert note.startswith("smart_servo rates left, of which something was seen, and right, of which nothing was")
+    assert told("learn", "robot.yaml", "log.csv")["notes"] == [note]
+    (folder / "log.csv").write_text("part,exposure [h],censored\nleft,900,yes\nright,900,yes\nc1,900,yes\nc2,900,yes\n")
+    assert not robophm.learn("robot.yaml", ["log.csv"]).notes
+    (folder / "log.csv").write_text("part,exposure [h],censored\nc1,900,yes\n")
+    (note,) = robophm.learn("robot.yaml", ["log.csv"]).notes
+    assert note.startswith("mil_hdbk_217f.fuse rates c1,")

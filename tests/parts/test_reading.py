@@ -81,6 +81,10 @@ def test_a_name_that_is_none_is_told_with_the_nearest():
     assert part(some) is library()[some]
     with pytest.raises(PlugError, match="no part 'bal_bearing' in the library; did you mean 'ball_bearing'"):
         part("bal_bearing")
+    with pytest.raises(PlugError, match="no part 'lidar' in the library; expected one of lidar_2d, lidar_"):
+        part("lidar")
+    with pytest.raises(PlugError, match="no part 'pizza' in the library; `robophm parts` lists all"):
+        part("pizza")
     with pytest.raises(PlugError, match="no part '3' in the library"):
         part(3)
 

@@ -69,6 +69,7 @@ def test_parameters_become_a_command() -> None:
     assert command({"design": "r", "robophm": "/opt/x/robophm", "namespace": "/r2"})[:5] == [
         "/opt/x/robophm", "watch", "r", "--namespace", "/r2",
     ]  # fmt: skip
+    assert command({"design": "r", "store": "past.db", "reports": True})[-3:] == ["--store", "past.db", "--reports"]
     for namespace, parameter, root in (("/amr_7/", "", "/amr_7"), ("/amr_7", "/hall", "/hall"), ("/", "", "/")):
         assert command({"design": "r", "namespace": parameter}, namespace)[4] == root
     with pytest.raises(ValueError, match="parameter 'design' is missing"):
@@ -101,7 +102,7 @@ def test_the_options_that_parameters_become_are_those_of_watch() -> None:
 
     watch: Any = typer.main.get_command(app).get_command(None, "watch")  # type: ignore[attr-defined]
     options = {option for parameter in watch.params for option in parameter.opts}
-    assert {f"--{flag}" for flag in ("namespace", "tasks", *module("command").FLAGS)} <= options
+    assert {f"--{flag}" for flag in ("namespace", "tasks", "reports", *module("command").FLAGS)} <= options
 
 
 def test_roslaunch_reads_the_launch_file(tmp_path: Path) -> None:

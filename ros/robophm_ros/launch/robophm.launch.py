@@ -15,12 +15,14 @@ def generate_launch_description():
         DeclareLaunchArgument("design", description="the robot's design, a robot.yaml"),
         *(DeclareLaunchArgument(name, default_value=value) for name, value in TEXTS.items()),
         DeclareLaunchArgument("period", default_value="1.0"),
+        DeclareLaunchArgument("reports", default_value="false", description="whether anybody may tell of parts"),
         DeclareLaunchArgument("autostart", default_value="true"),
         LifecycleNode(
             package="robophm_ros", executable="robophm_lifecycle", name="robophm", namespace="", output="screen",
             parameters=[{
                 **texts,
                 "period": ParameterValue(LaunchConfiguration("period"), value_type=float),
+                "reports": ParameterValue(LaunchConfiguration("reports"), value_type=bool),
                 "autostart": ParameterValue(LaunchConfiguration("autostart"), value_type=bool),
             }],
         ),

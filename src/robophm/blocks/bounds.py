@@ -205,10 +205,10 @@ class _Pass:
         return self._cut(low, upwards=False), self._cut(high, upwards=True)
 
     def _cut(self, root: int, *, upwards: bool) -> int:
-        """The diagram without the nodes whose decision has too little weight.
+        """The diagram without the decisions that have too little weight.
 
-        What is monotone goes on where the node's variable is true (upwards) or false (downwards), which makes the
-        least difference; where there is a "not", it is true or false at once.
+        What is monotone goes on where a node's variable is true (upwards) or false (downwards), which makes the
+        least difference; where there is a "not", one of a node's branches is true or false at once.
         """
         table, p = self.table, self.p
         nodes = below(table, root)
@@ -220,27 +220,28 @@ class _Pass:
             chance[g] = x * chance[table.high[g]] + (1 - x) * chance[table.low[g]]
         reached[root] = 1.0
         kept = {FALSE: FALSE, TRUE: TRUE}
-        dropped: set[int] = set()
+        leaf = TRUE if upwards else FALSE
+        instead: dict[int, tuple[int, int]] = {}  # of a node whose decision is changed: what it decides into
         for g in reversed(nodes):
             x, high, low, here = p[table.level[g]], table.high[g], table.low[g], reached[g]
             reached[high] += x * here
             reached[low] += (1 - x) * here
             if self.coherent:
                 lost = here * ((1 - x) if upwards else x) * (chance[high] - chance[low])
-            else:
-                lost = here * ((1 - chance[g]) if upwards else chance[g])
-            if lost < self.least:
-                dropped.add(g)
-        if not dropped:
+                if lost < self.least:
+                    instead[g] = (high, high) if upwards else (low, low)
+                continue
+            if_true, if_false = (abs(chance[leaf] - chance[one]) * here for one in (high, low))
+            if x * if_true < self.least or (1 - x) * if_false < self.least:
+                instead[g] = (leaf if x * if_true < self.least else high,
+                              leaf if (1 - x) * if_false < self.least else low)  # fmt: skip
+        changed = sum(instead[g] != (table.high[g], table.low[g]) for g in instead)
+        if not changed:
             return root
-        self.cut += len(dropped)
+        self.cut += changed
         for g in nodes:
-            if g not in dropped:
-                kept[g] = table.node(table.level[g], kept[table.high[g]], kept[table.low[g]])
-            elif self.coherent:
-                kept[g] = kept[table.high[g] if upwards else table.low[g]]
-            else:
-                kept[g] = TRUE if upwards else FALSE
+            high, low = instead.get(g, (table.high[g], table.low[g]))
+            kept[g] = table.node(table.level[g], kept[high], kept[low])
         return kept[root]
 
     def _likely(self, root: int) -> float:

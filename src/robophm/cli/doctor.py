@@ -20,6 +20,7 @@ EXTRAS = {
     "web": ("the page: robophm serve", ("fastapi", "uvicorn", "websockets")),
     "fit": ("life data: robophm fit", ("surpyval",)),
     "ros2": ("ROS 2 without its installation, over DDS", ("cyclonedds",)),
+    "zenoh": ("ROS 2 as rmw_zenoh speaks it, without its installation", ("eclipse-zenoh",)),
     "mqtt": ("robots that tell their state at an MQTT broker, as by VDA 5050", ("paho-mqtt",)),
     "foxglove": ("robots whose topics a Foxglove server serves, as foxglove_bridge", ("websockets",)),
     "notebook": ("data frames and plots in Python", ("pandas", "matplotlib")),

@@ -8,7 +8,16 @@ from typing import Annotated
 
 import typer
 
-from robophm.cli.shared.fault_trees import System, answer_json, answer_text, of_model, of_robot, print_sets, sets_json
+from robophm.cli.shared.fault_trees import (
+    System,
+    answer_json,
+    answer_text,
+    of_model,
+    of_robot,
+    print_sets,
+    sets_alone,
+    sets_json,
+)
 from robophm.cli.shared.options import ChanceSeed, Json, MostSets, Order, time_option
 from robophm.cli.shared.output import console, estimate_text, may_write, print_json, write
 from robophm.cli.shared.unused import refuse_unused
@@ -19,8 +28,11 @@ from robophm.design.importers.open_psa.writing import document
 
 
 def command(
-    source: Annotated[
-        Path, typer.Argument(help="an Open-PSA model, or a robot's design", metavar="MODEL.XML|ROBOT.YAML")
+    sources: Annotated[
+        list[Path],
+        typer.Argument(
+            help="an Open-PSA model, of one file or more, or a robot's design", metavar="MODEL.XML|ROBOT.YAML"
+        ),
     ],
     function: Annotated[str | None, typer.Option(help="of a robot; default the whole robot")] = None,
     top: Annotated[str | None, typer.Option(help="gate of a model of which several are used by no other")] = None,
@@ -40,8 +52,8 @@ def command(
     as_json: Json = False,
 ) -> None:
     """The probability of a fault tree's top event, and its minimal cut sets; of a robot, also its fault tree."""
-    may_write(to, source)
-    system = system_of(source, function, top, time, by_chance=monte_carlo is not None)
+    may_write(to, *sources)
+    system = system_of(sources, function, top, time, by_chance=monte_carlo is not None)
     if monte_carlo:
         estimated(system, monte_carlo, seed, as_json=as_json)
     else:
@@ -57,6 +69,9 @@ def tree(
 
     What is written is a model in the Open-PSA format, or where its name ends as a design's does, a design.
     """
+    if system.found is None or system.no_chance:
+        _without_chances(system, order=order, most=most, to=to, limit=limit, as_json=as_json)
+        return
     if to and system.unknown:
         raise RobophmError(f"{to}: {system.unknown.words} would be written as never failing; expected a rate for each")
     text = _design(system, to) if to and is_design(to) else ""
@@ -87,6 +102,34 @@ def tree(
         out.print(f"Written: {to}", markup=False)
 
 
+def _without_chances(
+    system: System, *, order: int | None, most: int, to: Path | None, limit: float, as_json: bool
+) -> None:  # fmt: skip
+    """State what constants decide, or of a tree without probabilities its smallest cut sets."""
+    if to:
+        raise RobophmError(f"{to}: '{system.name}' has no basic events with probabilities, which would be written")
+    listed = None
+    if system.found is None:
+        sure = float(system.model is not None and system.model.certain)
+        words = f"{'always' if sure else 'never'} occurs (exact): constants and house events decide it"
+        document = {"answer": "exact", "probability": sure, "at_least": sure, "at_most": sure}
+    else:
+        words = f"{system.no_chance} basic events have no probability, so that it has none; its structure alone:"
+        document = {"answer": "structure alone", "probability": None, "at_least": None, "at_most": None,
+                    "without_probability": system.no_chance, "coherent": system.found.tree.coherent}  # fmt: skip
+        if system.found.tree.coherent:
+            listed = sets_alone(system.found.within(limit), most, order)
+        else:
+            words += " it has 'not' or 'xor' gates, so that no minimal cut sets are listed"
+    if as_json:
+        sets = {"cut_sets": sets_json(listed) if listed else None}
+        print_json({"top_event": system.name, "when": system.when, **document, **sets})
+        return
+    console().print(f"{system.name}: {words}", markup=False, soft_wrap=True)
+    if listed:
+        print_sets(listed, "cut")
+
+
 def estimated(system: System, samples: int, seed: int, *, as_json: bool) -> None:
     """State how often the top event occurred in so many samples of the basic events."""
     from robophm.groups.monte_carlo import simulate_tree
@@ -102,16 +145,20 @@ def estimated(system: System, samples: int, seed: int, *, as_json: bool) -> None
     system.print_unknown()
 
 
-def system_of(source: Path, function: str | None, top: str | None, time: float | None, *, by_chance: bool) -> System:
+def system_of(
+    sources: list[Path], function: str | None, top: str | None, time: float | None, *, by_chance: bool
+) -> System:
     """Read a robot's design or a model; options that do not go with that, or with --monte-carlo, are refused."""
-    robot = is_design(source)
+    robot = any(is_design(source) for source in sources)
+    if robot and len(sources) > 1:
+        raise RobophmError(f"{len(sources)} files with a robot's design; expected it alone, or the files of one model")
     path = "a robot, whose top event is of --function" if robot else "a model, whose top event is of --top"
     path += ", only estimated (--monte-carlo)" if by_chance else ""
     given = ("monte_carlo", "seed") if by_chance else ("order", "most", "to", "limit")
     refuse_unused(path, ("time", "function" if robot else "top", *given))
     if robot:
-        return of_robot(load(source), function, 1000.0 if time is None else time)
-    return of_model(source, time, top)
+        return of_robot(load(sources[0]), function, 1000.0 if time is None else time)
+    return of_model(sources, time, top)
 
 
 def is_design(path: Path) -> bool:

@@ -16,6 +16,7 @@ from robophm.core.errors import DataError
 from robophm.design.file import load, read, write
 from robophm.design.robot import CLOCK_UNITS, UNKNOWN, Robot
 from robophm.health.unknown_rates import few
+from robophm.interface.field import rated_alike
 from robophm.learning.rates.evidence import FEWEST_TO_DIFFER, spread_text, with_evidence
 from robophm.learning.rates.failure_log import Seen, read_failure_log
 from robophm.learning.rates.fleet import StatedRateRatio
@@ -58,6 +59,7 @@ def command(
     if not any(one.exposure > 0 or one.failures for one in seen):
         raise DataError("nothing was seen: no failure and no exposure; expected a log or a robot that has worked")
     learned, unrated = learn(robot, seen, prior, of), unstated(robot, seen)
+    notes += rated_alike(robot, learned)
     if to and not learned:
         raise DataError(
             f"nothing can be learned beside a rate: all that was seen is of unknown rate ({_paths(unrated)}); expected "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -23,7 +23,7 @@ from robophm.drafting.drafting import Draft, drafted, evidence
 from robophm.drafting.first_look import FirstLook, first_look, part_figures
 from robophm.drafting.heard import hear
 from robophm.drafting.seen import Seen
-from robophm.drafting.updating import Outcome, Updated, updated
+from robophm.drafting.updating import Outcome, Updated, evidence_left_out, updated
 from robophm.drafting.writing import ASSUMPTIONS, TASKS, with_earlier, write_beside
 from robophm.transports.running_robot import open_live
 
@@ -113,7 +113,9 @@ def run(design: Path, wishes: Wishes, *, as_json: bool) -> None:
         advance(0, 1)
         known = evidence(wishes.urdf, wishes.bags)
     if wishes.via:
-        known = replace(known, seen=known.seen.and_of(_heard(wishes.via)))
+        listened = {"recordings": (*known.files.get("recordings", ()), wishes.via)}
+        known = replace(known, seen=known.seen.and_of(_heard(wishes.via)), files={**known.files, **listened})
+    _refuse_less(design, evidence_left_out(before, known))
     if not wishes.silent:
         for line in known.summary:
             console().print(line, markup=False)
@@ -141,6 +143,17 @@ def run(design: Path, wishes: Wishes, *, as_json: bool) -> None:
     if wishes.silent:
         print_parts_of(part_figures(draft.robot))
     _print(files, draft, look, outcomes)
+
+
+def _refuse_less(design: Path, left_out: Mapping[str, Sequence[str]]) -> None:
+    """Raise RobophmError where an update is not given what the design was drafted of, which it would then take out."""
+    if left_out:
+        options = {"urdf": "--urdf", "recordings": "--bag"}
+        said = " and ".join(f"{options.get(what, what)} {' '.join(names)}" for what, names in left_out.items())
+        raise RobophmError(
+            f"{design}: was drafted of {said}; an update without would take out what that told of: expected it again, "
+            "or a later one"
+        )
 
 
 def _heard(via: str) -> Seen:

@@ -29,6 +29,8 @@ class Element:
     line: int
     children: list[Element] = field(default_factory=list)
     text: list[str] = field(default_factory=list)
+    file: str = ""
+    """The name of the file in which it stands."""
 
     def inside(self) -> Iterator[Element]:
         """Yield its children, without those that only describe it."""
@@ -44,6 +46,10 @@ class Element:
         while stack:
             yield (one := stack.pop())
             stack += reversed(one.children)
+
+    def fault(self, message: str) -> DesignError:
+        """Return an error at this element, to be raised: file, line, what is wrong."""
+        return DesignError(f"{self.file}:{self.line}: {message}")
 
     @property
     def content(self) -> str:
@@ -63,7 +69,9 @@ class Markup:
             raise DesignError(f"{path}: cannot be read: {error.strerror}") from None
         except ValueError:  # with a character that no path has
             raise DesignError(f"{path}: cannot be read: expected the path of a file") from None
-        if len(self._text) > MAX_BYTES:
+        self.size = len(self._text)
+        """Bytes of the file."""
+        if self.size > MAX_BYTES:
             raise DesignError(f"{path}: is larger than {MAX_BYTES:,} bytes")
 
     def fault(self, line: int, message: str) -> DesignError:
@@ -86,7 +94,7 @@ class Markup:
                 raise self.fault(line, f"more than {MAX_ELEMENTS:,} elements and attributes")
             if len(stack) >= MAX_DEPTH:
                 raise self.fault(line, f"is nested too deeply; expected at most {MAX_DEPTH} levels")
-            element = Element(tag, attributes, line)
+            element = Element(tag, attributes, line, file=self.name)
             (stack[-1].children if stack else outermost).append(element)
             stack.append(element)
 

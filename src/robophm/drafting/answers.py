@@ -4,8 +4,8 @@ where nobody answers it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, fields, replace
 
 from robophm.core.argument_checks import shown
 from robophm.core.errors import RobophmError, nearest
@@ -85,6 +85,8 @@ class Known:
 
     description: Description | None
     seen: Seen
+    files: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Names of the files that it is of, by what they are: urdf, recordings."""
 
     @property
     def uses(self) -> frozenset[str]:

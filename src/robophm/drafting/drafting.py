@@ -39,6 +39,7 @@ OF_HANDBOOK = 3
 
 ANSWERED = "answers: "
 DRAFTED = "drafted parts: "
+EVIDENCE = "drafted of: "
 
 _NOT_IN = (
     "cables, plugs and fasteners are not in the draft: robophm parts cable, robophm parts connector",
@@ -80,7 +81,10 @@ def evidence(urdf: Path | None = None, recordings: Sequence[Path] = ()) -> Known
 
     Raises DesignError or SourceError for a file that cannot be read.
     """
-    return Known(read_urdf(urdf) if urdf else None, look(recordings))
+    files = {"urdf": (urdf.name,) if urdf else (), "recordings": tuple(path.name for path in recordings)}
+    return Known(
+        read_urdf(urdf) if urdf else None, look(recordings), {what: names for what, names in files.items() if names}
+    )
 
 
 def new(
@@ -121,7 +125,7 @@ def drafted(
     if parts_lists:
         keys["uncertainty"] = {"error_factor": OF_HANDBOOK}
         of_keys.append(f"parts of lists have rates of a handbook, which may well be {OF_HANDBOOK} times off")
-    head = _head(answers, changes)
+    head = _head(answers, changes, known)
     bare = parse(design_text(head, keys, parts), "the draft")
     efforts = {one.joint: one.effort for one in parts if one.joint and one.effort is not None}
     bound, unbound = proposals(bare, known.seen, efforts)
@@ -140,13 +144,14 @@ def drafted(
     return Draft(text, robot, tuple(parts), files, tuple(bound), tuple(unbound), doubts, tuple(tasks), page, known)
 
 
-def _head(answers: Answers, changes: Sequence[Change]) -> list[str]:
+def _head(answers: Answers, changes: Sequence[Change], known: Known) -> list[str]:
     given = {key: text for key, text in asdict(answers).items() if text is not None}
     given |= {"changes": [f"{one.part}={one.words}" for one in changes]} if changes else {}
     return [
         "Drafted by `robophm new`. What of it is assumed stands in assumptions.md; correct what is not so: a part",
         "that you edited is yours, and `robophm new --update` leaves it as it is.",
         ANSWERED + json.dumps(given, ensure_ascii=False),
+        *([EVIDENCE + json.dumps(known.files, ensure_ascii=False)] if known.files else []),
     ]
 
 
@@ -243,5 +248,6 @@ def _page(
     lines += [f"- {one.part or robot.name}: {one.input} from {' and '.join(one.signals)}: {one.seen}"
               + (f"; assumed: {one.assumed}" if one.assumed else "") for one in bound]  # fmt: skip
     lines += [f"- not bound: {one}" for one in unbound]
+    lines += [] if bound or unbound else ["- none: neither a recording nor a robot that runs told of any"]
     lines += ["", "## Else", "", *(f"- {one}" for one in (*notes, *lists, *_NOT_IN))]
     return "\n".join(printable(line) for line in lines) + "\n"

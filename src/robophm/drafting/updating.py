@@ -15,11 +15,12 @@ from typing import Any, Literal
 from robophm.core.errors import DesignError
 from robophm.design.draft import DraftPart, drafted, module_lines, part_lines, stamp, untouched
 from robophm.design.edited_text import EditedText, child, plain, scalars
-from robophm.drafting.drafting import ANSWERED, DRAFTED, Draft, with_list
+from robophm.drafting.answers import Known
+from robophm.drafting.drafting import ANSWERED, DRAFTED, EVIDENCE, Draft, with_list
 
 State = Literal["added", "changed", "unchanged", "kept", "removed"]
 
-_HEAD = re.compile(rf"^# ({re.escape(ANSWERED)}|{re.escape(DRAFTED)})(.*)$", re.MULTILINE)
+_HEAD = re.compile(rf"^# ({'|'.join(map(re.escape, (ANSWERED, DRAFTED, EVIDENCE)))})(.*)$", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,15 @@ class Updated:
 def earlier_answers(text: str) -> dict[str, Any]:
     """Answers that a drafted design keeps in its head; {} where there are none. Raises DesignError for garbled ones."""
     return dict(_told(text, ANSWERED, {}))
+
+
+def evidence_left_out(text: str, known: Known) -> dict[str, list[str]]:
+    """Return the files that a design was drafted of, by what they are, where nothing of the kind is known now.
+
+    A later draft without them would take out what they told of: joints and their parts, signals, what was driven.
+    Raises DesignError for a garbled head.
+    """
+    return {what: list(map(str, names)) for what, names in _told(text, EVIDENCE, {}).items() if what not in known.files}
 
 
 def was_drafted(text: str) -> bool:

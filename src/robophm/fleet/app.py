@@ -10,7 +10,7 @@ from contextlib import asynccontextmanager, suppress
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route
 
@@ -78,6 +78,8 @@ class _Reports:
         except _Refused as refused:
             self._store.refuse(refused.robot, refused.counted)
             raise
+        except ClientDisconnect:  # in the middle of it: nothing came, and nobody hears what is answered
+            return Response(status_code=400)
         except StoreError as error:  # the robot keeps it, and tries again
             _log.error("%s", error)
             return JSONResponse({"message": f"nothing of it is kept: {error}"}, 503, {"retry-after": "10"})

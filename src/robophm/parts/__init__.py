@@ -8,7 +8,7 @@ files. A design takes an entry by ``part: lidar_2d``.
 from __future__ import annotations
 
 from robophm.parts.completing import completed
-from robophm.parts.entries import FIGURES, GRADES, Entry, graded, library, part
-from robophm.parts.searching import search
+from robophm.parts.entries import FIGURES, GRADES, Entry, graded, library
+from robophm.parts.searching import part, search
 
 __all__ = ["FIGURES", "GRADES", "Entry", "completed", "graded", "library", "part", "search"]

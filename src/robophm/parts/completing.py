@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from robophm.parts.entries import FIGURES, Entry, part
+from robophm.parts.entries import FIGURES, Entry
+from robophm.parts.searching import part
 
 _OF_THE_FIGURE = {*FIGURES, "hazard", "failure_modes", "uncertainty", "source"}
 """Keys that a part's own figure replaces; how the part ages, its clock and what stress does to it stay."""

@@ -90,13 +90,6 @@ def library() -> Mapping[str, Entry]:
     return {entry.name: entry for entry in sorted(found.values(), key=lambda one: (one.kind, one.name))}
 
 
-def part(name: str) -> Entry:
-    """Return one entry by its name. Raises PlugError with the nearest names where there is none."""
-    if isinstance(name, str) and name in library():
-        return library()[name]
-    raise PlugError(f"no part '{name!s:.60}' in the library{nearest(str(name), library())}")
-
-
 def _folders() -> Iterator[Traversable]:
     """The folders of files of entries: our own, then those of other packages."""
     yield files("robophm.parts") / "library"

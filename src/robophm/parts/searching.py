@@ -15,7 +15,7 @@ from functools import cache
 from itertools import islice, product, takewhile
 from typing import NamedTuple
 
-from robophm.core.errors import slips
+from robophm.core.errors import PlugError, nearest, slips
 from robophm.parts.entries import Entry, library
 
 ENOUGH = 0.6
@@ -49,6 +49,12 @@ _OFTEN = 3
 
 _LONGEST = 12
 """Words of what is asked for."""
+
+_LONGEST_NAME = 200
+"""Letters of a name that are looked at where there is none of it."""
+
+_SOME = 5
+"""Entries that are named where one is not there."""
 
 _TRIED = 8
 """Ways to put slips right."""
@@ -117,6 +123,16 @@ def search(words: str) -> list[Entry]:
     most = max((fit.covers for fit in found.values()), default=0.0)
     names = [name for name, fit in found.items() if fit.covers and fit.covers >= 0.99 * most]
     return [library()[name] for name in sorted(names, key=lambda name: -found[name].closeness)]
+
+
+def part(name: str) -> Entry:
+    """Return one entry by its name. Raises PlugError, with what was meant, where there is none of that name."""
+    if isinstance(name, str) and name in library():
+        return library()[name]
+    hint = nearest(str(name), library(), ())
+    if not hint and (found := [entry.name for entry in search(str(name)[:_LONGEST_NAME])]):
+        hint = f"; expected one of {', '.join(found[:_SOME])}{' …' * (len(found) > _SOME)}"
+    raise PlugError(f"no part '{name!s:.60}' in the library{hint or '; `robophm parts` lists all'}")
 
 
 class _Fit(NamedTuple):

@@ -42,6 +42,8 @@ def left_out(listed: ListedSets) -> str:
     rest = listed.count - len(listed.sets)
     if not rest:
         return ""
+    if math.isnan(listed.neglected):
+        return f"{more_text(rest, 'listed')}."
     sums = "its probability is" if rest == 1 else "their probabilities add up to"
     return f"{more_text(rest, 'listed')}; {sums} {listed.neglected:.3g}, of all {listed.mass:.4g}."
 

@@ -16,6 +16,7 @@ from functools import partial
 from typing import Any
 
 from robophm.core.errors import SourceError
+from robophm.transports.live.woken import Waiting
 from robophm.transports.ros2_dds.cyclone import HISTORY, PUBLISHED, Message, Offer
 from robophm.transports.ros2_dds.definition import Definition, dds_name, name_of_dds
 from robophm.transports.ros2_dds.environment import place
@@ -165,9 +166,9 @@ class RclpyGraph:
         """Return a new discovery of publishers in this domain."""
         return RclpyDiscovery(self._rclpy, self._eye)
 
-    def waiting(self) -> RclpyWaiting:
+    def waiting(self) -> Waiting:
         """Return a new wait set for readers and discoveries."""
-        return RclpyWaiting()
+        return Waiting()
 
     def refused(self) -> Counter[str]:
         """Return an empty count: rclpy does not tell of messages that are not of their type."""
@@ -350,30 +351,3 @@ class RclpyDiscovery:
 
     def close(self) -> None:
         """Stop looking for publishers."""
-
-
-class RclpyWaiting:
-    """Waits for any of some readers, or to be woken."""
-
-    def __init__(self) -> None:
-        self._woken = threading.Event()
-
-    def add(self, entity: RclpyReader | RclpyDiscovery) -> None:
-        """Wait for this reader too."""
-        entity.woken = self._woken.set
-
-    def remove(self, entity: RclpyReader | RclpyDiscovery) -> None:
-        """Wait for this reader no longer."""
-        entity.woken = lambda: None
-
-    def wait(self, seconds: float) -> None:
-        """Wait until something has come, at most so many seconds."""
-        self._woken.wait(seconds)
-        self._woken.clear()
-
-    def wake(self) -> None:
-        """End the waiting; from any thread."""
-        self._woken.set()
-
-    def close(self) -> None:
-        """Release what was waited for."""

@@ -13,8 +13,8 @@ from robophm.core.errors import SourceError, nearest
 from robophm.transports.live.enforced_security import refuse_enforced_security
 from robophm.transports.signals.source import LiveSource
 
-CHOICES = ("auto", "ros1", "ros2", "dds", "rclpy", "foxglove")
-"""The choices that a user can state; or the address of an MQTT broker or of a Foxglove server."""
+CHOICES = ("auto", "ros1", "ros2", "dds", "rclpy", "zenoh", "foxglove")
+"""The choices that a user can state; or the address of a router of Zenoh, an MQTT broker or a Foxglove server."""
 
 ROS1_DISTRIBUTIONS = ("noetic", "melodic", "kinetic")
 """Values of ROS_DISTRO that are ROS 1's."""
@@ -30,7 +30,7 @@ class Live:
     system: str
     """The system that is listened to: ``ROS 1``, ``ROS 2``, ``MQTT`` or ``Foxglove``."""
     transport: str
-    """Name of the transport: ``ros1``, ``ros2_dds``, ``ros2_rclpy``, ``mqtt`` or ``foxglove``."""
+    """Name of the transport: ``ros1``, ``ros2_dds``, ``ros2_rclpy``, ``ros2_zenoh``, ``mqtt`` or ``foxglove``."""
     reason: str
     """Reason for this one, as the end of a sentence."""
     node: Callable[[str], Any]
@@ -54,11 +54,13 @@ class Live:
 def open_live(choice: str = "auto", *, period: float = 0.5) -> Live:
     """Open the live source that is chosen, or that of the ROS that runs here.
 
-    ``choice`` is one of CHOICES or the address of an MQTT broker or a Foxglove server; the clock comes at multiples of
-    ``period`` [s]. Raises SourceError where it cannot be spoken, or there is none.
+    ``choice`` is one of CHOICES or the address of a router of Zenoh, an MQTT broker or a Foxglove server; the clock
+    comes at multiples of ``period`` [s]. Raises SourceError where it cannot be spoken, or there is none.
     """
     if choice.partition("://")[0] == "foxglove":
         return _foxglove(choice, period)
+    if choice.partition("://")[0] == "zenoh":
+        return _zenoh(choice, AS_ASKED, period)
     if "://" in choice:
         return _mqtt(choice, period)
     if choice not in CHOICES:
@@ -107,16 +109,32 @@ def _rclpy(reason: str, period: float) -> Live:
     return Live(source, "ROS 2", "ros2_rclpy", reason, ros2_rclpy.Node, ros2_rclpy.Publisher, ros2_rclpy.Service)
 
 
+def _zenoh(address: str, reason: str, period: float) -> Live:
+    from robophm.transports import ros2_zenoh
+
+    source = ros2_zenoh.Ros2Zenoh(address, period=period)
+    node = partial(ros2_zenoh.Node, router=source.router)
+    said = f"{source.place}, {reason}"
+    return Live(source, "ROS 2", "ros2_zenoh", said, node, ros2_zenoh.Publisher, ros2_zenoh.Service)
+
+
 def _ros2(reason: str, period: float) -> Live:
-    """Through rclpy where there is one that runs in this Python; else over DDS, and why. Raises SourceError."""
+    """Through rclpy where there is one that runs in this Python; else as RMW_IMPLEMENTATION says or over DDS, and why.
+
+    Raises SourceError.
+    """
     why = "rclpy cannot be imported"
     if _has("rclpy"):
         try:
             return _rclpy(f"{reason}; rclpy can be imported", period)
         except SourceError as error:  # as where ROS 2 is sourced for the Python that it was built with
-            if not _has("cyclonedds"):
-                raise SourceError(f"{error}, and no cyclonedds: pip install robophm[ros2]") from None
             why = str(error)
+    rmw = os.environ.get("RMW_IMPLEMENTATION", "")
+    if _has("zenoh") and ("zenoh" in rmw or not (_has("rclpy") or _has("cyclonedds"))):
+        also = f"RMW_IMPLEMENTATION is {rmw}" if "zenoh" in rmw else "there is no cyclonedds"
+        return _zenoh("zenoh", f"{reason}; {why}; {also}", period)
+    if not _has("cyclonedds"):
+        raise SourceError(f"{why}, and no cyclonedds: pip install robophm[ros2]")
     return _dds(f"{reason}; {why}", period)
 
 
@@ -132,14 +150,15 @@ def generation_here() -> tuple[int, str]:
         return 1, "a ROS master answers"
     if os.environ.get("ROS_MASTER_URI"):
         raise SourceError(f"no ROS master: {answer}; start roscore, or ask for ROS 2")
-    if _has("rclpy") or _has("cyclonedds"):
+    if _has("rclpy") or _has("cyclonedds") or _has("zenoh"):
         return 2, "no ROS master answers"
     raise SourceError(f"no ROS found: {answer}, and nothing here speaks ROS 2: pip install robophm[ros2]")
 
 
 def explained() -> dict[str, str]:
     """Return what of ROS is here and what of it would be listened to, by what each is."""
-    said = {"chosen": "", "rclpy": "cannot be imported", "cyclonedds": "cannot be imported"}
+    absent = "cannot be imported"
+    said = {"chosen": "", "rclpy": absent, "cyclonedds": absent, "zenoh": absent}
     try:
         generation, reason = generation_here()
         said["chosen"] = f"ROS {generation}: {reason}"
@@ -155,8 +174,13 @@ def explained() -> dict[str, str]:
             said["rclpy"] = str(error)
     if _has("cyclonedds"):
         said["cyclonedds"] = "can be imported"
+    if _has("zenoh"):
+        from robophm.transports.ros2_zenoh.session import place_of
+
+        said["zenoh"] = f"can be imported; --via zenoh looks for {place_of('')}"
     rmw = os.environ.get("RMW_IMPLEMENTATION")
-    said["RMW_IMPLEMENTATION"] = f"{rmw}, which rclpy alone heeds" if rmw else "is not set; rclpy alone heeds it"
+    heeded = "rclpy heeds it, and where there is none, Zenoh is spoken where it says so"
+    said["RMW_IMPLEMENTATION"] = f"{rmw}; {heeded}" if rmw else f"is not set; {heeded}"
     from robophm.transports.ros2_dds.environment import hidden_by, place_in_words
 
     try:

@@ -24,8 +24,10 @@ from robophm.transports.foxglove import Foxglove, Node, Publisher
 from robophm.transports.foxglove.protocol import address, channels_of, message_in
 from robophm.transports.running_robot import open_live
 
+from ...drafting.robots import build
+from ..drafted import drafted_of_a_robot_that_runs
 from ..listener import Heard, within
-from .conftest import Robot
+from .conftest import Robot, RosByFoxglove
 
 FLOAT64 = b"\0\1\0\0"
 """The beginning of a message in CDR."""
@@ -258,3 +260,31 @@ def test_a_channel_that_is_announced_before_it_can_be_subscribed() -> None:
         heard = Heard(source, "/a.data")
         within(8, lambda: heard.of("/a.data") == [2.5])
     assert [one["op"] for one in asked[:3]] == ["subscribe"] * 3
+
+
+def test_a_design_is_drafted_of_what_the_server_has(
+    foxglove_sdk: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A lidar by the type of its topic, and the motor's temperature with what was heard of it."""
+    room, over = RosByFoxglove(), threading.Event()
+    types = {"/motor": "sensor_msgs/msg/Temperature", "/scan": "sensor_msgs/msg/LaserScan"}
+    said = [
+        (room.Publisher(room.Node("r"), topic, type_, latched=False), build(type_, fields))
+        for (topic, type_), fields in zip(types.items(), ({"temperature": 35.0}, {}), strict=True)
+    ]
+
+    def speak() -> None:
+        while not over.wait(0.05):
+            for publisher, message in said:
+                publisher.publish(message)
+
+    speaker = threading.Thread(target=speak)
+    speaker.start()
+    try:
+        with room:
+            document = drafted_of_a_robot_that_runs(room.robot.place, tmp_path, monkeypatch, capsys)
+            over.set()
+            speaker.join()
+    finally:
+        over.set()
+    assert "lidar_2d" in {part["entry"] for part in document["parts"]}

@@ -1,7 +1,8 @@
 """What every live transport must do, with its own node and publisher on the other side.
 
 That others understand it is tested beside real peers, in ``ros1`` and ``ros2_dds``. Over MQTT the other side
-is paho, which says the same messages as JSON; of Foxglove's protocol the server of its own makers.
+is paho, which says the same messages as JSON; of Foxglove's protocol the server of its own makers; over Zenoh a robot
+by the published design of rmw_zenoh.
 """
 
 from __future__ import annotations
@@ -30,9 +31,14 @@ from ..foxglove.conftest import RosByFoxglove
 from ..listener import Heard, within
 from ..mqtt.conftest import Broker, RosAsJson
 from ..ros1.conftest import System
+from ..ros2_zenoh.conftest import RosByZenoh
 
 DEFINITION = "float64 level\nown_msgs/Part[] parts\n" + "=" * 80 + "\nMSG: own_msgs/Part\nint16[2] pair\nstring name\n"
-NAMES = {"ros1": "Ros1", "ros2_dds": "Ros2Dds", "ros2_rclpy": "Ros2Rclpy", "mqtt": "Mqtt", "foxglove": "Foxglove"}
+NAMES = {"ros1": "Ros1", "ros2_dds": "Ros2Dds", "ros2_rclpy": "Ros2Rclpy", "mqtt": "Mqtt", "foxglove": "Foxglove",
+         "ros2_zenoh": "Ros2Zenoh"}  # fmt: skip
+
+PEERS = {"foxglove": RosByFoxglove, "ros2_zenoh": RosByZenoh}
+"""Rooms of which the other side is of other make."""
 
 
 @pytest.fixture(scope="module", params=NAMES)
@@ -55,10 +61,12 @@ def room(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
             stack.callback(broker.stop)
         elif name == "foxglove":
             request.getfixturevalue("foxglove_sdk")
+        elif name == "ros2_zenoh":
+            request.getfixturevalue("zenoh_wheel")
         elif importlib.util.find_spec("rclpy") is None:
             pytest.skip(NO_RCLPY)
-        if name == "foxglove":
-            room: Any = stack.enter_context(RosByFoxglove())
+        if name in PEERS:
+            room: Any = stack.enter_context(PEERS[name]())
         else:
             room = RosAsJson(broker) if name == "mqtt" else importlib.import_module(f"robophm.transports.{name}")
         stack.enter_context(room.Node("/kept"))  # one participant for all

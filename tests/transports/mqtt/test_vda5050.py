@@ -22,6 +22,7 @@ from robophm.core.signal import SECOND
 from robophm.stores import open_store
 from robophm.transports.mqtt import Mqtt
 
+from ..drafted import drafted_of_a_robot_that_runs
 from ..listener import Heard, within
 from .conftest import Broker, Robot
 
@@ -272,3 +273,22 @@ def test_watch_ages_by_what_it_says_and_tells_its_health(broker: Broker, robot: 
     with open_store(tmp_path / "past.db") as store:
         (kept,) = [one for one in store.alarm_log("AMR").alarms(open_only=True) if one["severity"] == "error"]
     assert (kept["begin"], kept["cause"]) == (alarms[0]["begin"], alarms[0]["cause"])
+
+
+def test_a_design_is_drafted_of_what_the_broker_has(
+    broker: Broker, robot: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A temperature by its name; JSON has no types, and so no part is told of."""
+    over = threading.Event()
+
+    def speak() -> None:
+        while not over.wait(0.05):
+            robot.say("/motor", {"temperature": 35.0})
+
+    speaker = threading.Thread(target=speak)
+    speaker.start()
+    try:
+        drafted_of_a_robot_that_runs(broker.address(ROOT), tmp_path, monkeypatch, capsys)
+    finally:
+        over.set()
+        speaker.join()

@@ -14,6 +14,7 @@ import pytest
 from robophm.transports.ros1 import Ros1
 
 from ..listener import within
+from .genpy import generated_services
 
 LOOPBACK = "127.0.0.1"
 
@@ -147,6 +148,12 @@ def ros(_running: System) -> Iterator[System]:
     finally:
         for process in [each for each in _running._started if each not in before]:
             _running.stop(process)
+
+
+@pytest.fixture(scope="session")
+def services_path(roscore: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder from which Python imports the services of phm_msgs, and the messages in them, as genpy makes them."""
+    return generated_services(tmp_path_factory.mktemp("services"))
 
 
 @pytest.fixture

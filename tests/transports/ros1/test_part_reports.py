@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 
+from robophm.cli.app import app
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import load
 from robophm.monitoring.monitor import Monitor
@@ -23,7 +24,6 @@ from robophm.transports.health_topics import Outlet, PartReports
 from robophm.transports.ros1 import Node, Publisher, Service
 
 from .conftest import System
-from .genpy import generated_services
 
 DESIGN = """
 schema_version: 1
@@ -50,13 +50,8 @@ def told(name, **request):
 """
 
 
-@pytest.fixture(scope="module")
-def python_path(roscore: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return generated_services(tmp_path_factory.mktemp("reports"))
-
-
-def called(ros: System, python_path: Path, code: str) -> list[Any]:
-    prelude = f"sys.path.insert(0, {str(python_path)!r})\nrospy.init_node('robot', anonymous=True)\nsay('ready')\n"
+def called(ros: System, services_path: Path, code: str) -> list[Any]:
+    prelude = f"sys.path.insert(0, {str(services_path)!r})\nrospy.init_node('robot', anonymous=True)\nsay('ready')\n"
     process = ros.talk(prelude + CALL + code)
     assert process.stdout is not None
     return [json.loads(line) for line in process.stdout]
@@ -82,11 +77,12 @@ def kept(store: Path) -> tuple[Any, Any]:
 
 
 def test_what_is_told_is_noted_as_by_the_command(
-    ros: System, python_path: Path, past: Path, monkeypatch: pytest.MonkeyPatch
+    ros: System, services_path: Path, past: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """To the bit, on the same store; what cannot be noted is refused in the same words."""
     monkeypatch.setenv("ROS_MASTER_URI", ros.uri)
     monkeypatch.setenv("ROS_IP", "127.0.0.1")
+    monkeypatch.chdir(past.parent)
     other = past.with_name("other.db")
     shutil.copy(past, other)
     robot = load(past.with_name("robot.yaml"))
@@ -94,7 +90,7 @@ def test_what_is_told_is_noted_as_by_the_command(
     note = partial(note_service, past, robot)
     PartReports(outlet, robot, lambda said, key: note(said, key=key))
     try:
-        failed, again, repaired, same, wrong, unsaid = called(ros, python_path, """
+        failed, again, repaired, same, wrong, unsaid = called(ros, services_path, """
 told("report_failure", part="motor", by="self test", note="no current")
 told("report_failure", part="motor")
 told("report_service", part="motor", repaired=True, remaining=0.5, key="shift 7", by="Ada")
@@ -112,8 +108,7 @@ told("report_service", part="wheel", repaired=True, remaining=1.5)
     assert (wrong["noted"], wrong["refused"]) == (False, "no part 'moter'; did you mean 'motor'?")
     assert "remains 1.5: expected a number of at least 0 and at most 1" in unsaid["refused"]
     for words in (["--failed", "--by", "self test", "--note", "no current"], ["--repaired", "0.5", "--by", "Ada"]):
-        command = ["service", "robot.yaml", "motor", "--store", "other.db", *words]
-        subprocess.run([sys.executable, "-m", "robophm", *command], cwd=past.parent, check=True, capture_output=True)
+        app(["service", "robot.yaml", "motor", "--store", "other.db", *words], standalone_mode=False)
     assert kept(past) == kept(other)
     assert [one.said for one in kept(past)[1]] == [
         "motor failed by self test: no current", "motor repaired after it had failed by Ada",
@@ -121,7 +116,7 @@ told("report_service", part="wheel", repaired=True, remaining=1.5)
 
 
 def test_a_watched_robot_that_tells_of_a_failure_is_refused_its_task_and_a_kill_loses_nothing(
-    ros: System, python_path: Path, tmp_path: Path
+    ros: System, services_path: Path, tmp_path: Path
 ) -> None:
     (tmp_path / "robot.yaml").write_text(DESIGN)
     ros.talk("""
@@ -137,7 +132,7 @@ while not rospy.is_shutdown():
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
     )  # fmt: skip
     try:
-        *_, fine, failed, refused = called(ros, python_path, """
+        *_, fine, failed, refused = called(ros, services_path, """
 leg = [TaskLeg(duration=0.1)]
 while not told("assess_task", legs=leg).header.stamp.secs: rospy.sleep(0.1)  # until the robot is heard
 told("report_failure", part="motor")

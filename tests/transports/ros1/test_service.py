@@ -27,7 +27,6 @@ from robophm.transports.ros1.definition import md5_of_service
 
 from ..listener import within
 from .conftest import System
-from .genpy import generated_services
 
 DESIGN = """
 schema_version: 1
@@ -54,12 +53,6 @@ def told(**request):
 """
 
 
-@pytest.fixture(scope="module")
-def python_path(roscore: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder from which Python imports the messages and the service, as genpy makes them."""
-    return generated_services(tmp_path_factory.mktemp("service"))
-
-
 @pytest.fixture
 def served(ros: System, monkeypatch: pytest.MonkeyPatch) -> Iterator[TaskAssessor]:
     monkeypatch.setenv("ROS_MASTER_URI", ros.uri)
@@ -71,16 +64,16 @@ def served(ros: System, monkeypatch: pytest.MonkeyPatch) -> Iterator[TaskAssesso
     outlet.close()
 
 
-def called(ros: System, python_path: Path, code: str, *, lasting: bool = False) -> list[Any]:
-    prelude = f"sys.path.insert(0, {str(python_path)!r})\nrospy.init_node('robot', anonymous=True)\nsay('ready')\n"
+def called(ros: System, services_path: Path, code: str, *, lasting: bool = False) -> list[Any]:
+    prelude = f"sys.path.insert(0, {str(services_path)!r})\nrospy.init_node('robot', anonymous=True)\nsay('ready')\n"
     process = ros.talk(prelude + CALL % lasting + code)
     assert process.stdout is not None
     return [json.loads(line) for line in process.stdout]
 
 
 @pytest.mark.parametrize("name", ["AssessTask", "ReportFailure", "ReportService"])
-def test_the_md5_sum_is_that_of_genpy(python_path: Path, name: str) -> None:
-    (code,) = (python_path / PACKAGE / "srv").glob(f"_{name}.py")
+def test_the_md5_sum_is_that_of_genpy(services_path: Path, name: str) -> None:
+    (code,) = (services_path / PACKAGE / "srv").glob(f"_{name}.py")
     request, response = (definition(each, 1) for each in service_types(f"{PACKAGE}/srv/{name}", 1))
     assert re.findall(r"_md5sum = '(\w+)'", code.read_text()) == [
         md5_of_service(f"{PACKAGE}/{name}", request, response)
@@ -88,10 +81,10 @@ def test_the_md5_sum_is_that_of_genpy(python_path: Path, name: str) -> None:
 
 
 @pytest.mark.parametrize("lasting", [False, True])
-def test_a_task_is_judged_as_by_hand(ros: System, served: TaskAssessor, python_path: Path, lasting: bool) -> None:
+def test_a_task_is_judged_as_by_hand(ros: System, served: TaskAssessor, services_path: Path, lasting: bool) -> None:
     """exp(−0.1/h · t): ten legs of six minutes keep 0.9048, eleven do not; at 45 °C the motor fails four times as
     often."""
-    ten, one, hot, refused, nothing = called(ros, python_path, """
+    ten, one, hot, refused, nothing = called(ros, services_path, """
 leg = TaskLeg(distance=36.0, speed=0.1)
 told(legs=[leg] * 10)
 told(legs=[TaskLeg(duration=1.0, functions=["roll"])] * 30, limit=0.5)
@@ -116,7 +109,7 @@ told(legs=[])
 
 
 def test_a_wrong_md5_sum_and_a_call_that_is_none_are_refused_and_others_answered(
-    ros: System, served: TaskAssessor, python_path: Path
+    ros: System, served: TaskAssessor, services_path: Path
 ) -> None:
     uri = ros.run("/usr/bin/rosservice", "uri", "/hall/phm/assess_task").strip()
     host, port = uri.removeprefix("rosrpc://").split(":")
@@ -142,11 +135,11 @@ def test_a_wrong_md5_sum_and_a_call_that_is_none_are_refused_and_others_answered
     assert said(plain + struct.pack("<I", 1 << 30)).count(b"callerid") == 1  # its header, and no more: it is closed
     cut = said(plain, struct.pack("<I", 4) + struct.pack("<I", 1 << 30))  # legs that are not there
     assert re.search(rb"\x00....\w*Error: ", cut, re.S)
-    (fine,) = called(ros, python_path, "told(legs=[TaskLeg(duration=1.0)])")
+    (fine,) = called(ros, services_path, "told(legs=[TaskLeg(duration=1.0)])")
     assert fine["completion_nominal"] == pytest.approx(math.exp(-0.1), rel=1e-14)
 
 
-def test_a_watched_robot_answers_beside_what_it_hears(ros: System, python_path: Path, tmp_path: Path) -> None:
+def test_a_watched_robot_answers_beside_what_it_hears(ros: System, services_path: Path, tmp_path: Path) -> None:
     """Parts whose rate is constant forget: whenever it is asked, the answer is that of ``robophm task``."""
     design = DESIGN.replace("acceleration: {model: q10, reference_temperature: 25 degC}", "initial_exposure: 5 h")
     (tmp_path / "robot.yaml").write_text(design)
@@ -163,7 +156,7 @@ while not rospy.is_shutdown():
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
     try:
-        answers = called(ros, python_path, "for _ in range(50): told(legs=[TaskLeg(duration=2.0)])", lasting=True)
+        answers = called(ros, services_path, "for _ in range(50): told(legs=[TaskLeg(duration=2.0)])", lasting=True)
     finally:
         process.send_signal(signal.SIGINT)
         _, warned = process.communicate(timeout=60)

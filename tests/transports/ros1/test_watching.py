@@ -20,6 +20,7 @@ from robophm.stores.memory import MemoryStore
 from robophm.stores.sqlite import SqliteStore
 from robophm.transports.recordings.journal import JournalRecording
 
+from ..drafted import drafted_of_a_robot_that_runs
 from ..listener import within
 from .conftest import System
 
@@ -241,3 +242,23 @@ def test_publishing_that_is_ended_by_others_is_told_at_once(ros: System, tmp_pat
         assert process.poll() is None
     finally:
         assert ended(process, signal.SIGINT)[0] == 0
+
+
+def test_a_design_is_drafted_of_a_robot_that_runs(
+    ros: System, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A lidar by the type of its topic, and the motor's temperature with what was heard of it."""
+    ros.talk("""
+rospy.init_node("robot")
+motor = rospy.Publisher("/motor", Temperature, queue_size=10)
+scan = rospy.Publisher("/scan", LaserScan, queue_size=10)
+joints = rospy.Publisher("/joint_states", JointState, queue_size=10)
+say("ready")
+while not rospy.is_shutdown():
+    now = Header(stamp=rospy.Time.now())
+    motor.publish(Temperature(header=now, temperature=35.0)); scan.publish(LaserScan(header=now))
+    joints.publish(JointState(header=now, name=["elbow"], position=[0.1], velocity=[0.2], effort=[3.0]))
+    rospy.sleep(0.05)
+""")
+    document = drafted_of_a_robot_that_runs("ros1", tmp_path, monkeypatch, capsys, ros.environment)
+    assert "lidar_2d" in {part["entry"] for part in document["parts"]}

@@ -87,7 +87,7 @@ def test_settings_that_are_none(monkeypatch: pytest.MonkeyPatch, name: str, valu
     ("machine", "remedy"),
     [
         ("x86_64", r"pip install robophm\[ros2\]"),
-        ("aarch64", "there is none for Python 3.* on aarch64; with ROS 2's setup sourced, its own rclpy serves"),
+        ("aarch64", "there is none for Python 3.* on aarch64; with .* its own rclpy serves; or robophm.zenoh."),
     ],
 )
 def test_without_the_wheel_it_is_said_what_serves(monkeypatch: pytest.MonkeyPatch, machine: str, remedy: str) -> None:

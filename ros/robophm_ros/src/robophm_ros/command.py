@@ -23,6 +23,8 @@ def command(parameters, namespace="/"):
         value = parameters.get(name)
         if value not in (None, ""):
             words += ["--" + name, str(value)]
+    if parameters.get("reports"):
+        words.append("--reports")
     for topic in parameters.get("tasks") or ():
         if topic:
             words += ["--tasks", topic]

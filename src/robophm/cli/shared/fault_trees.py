@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from robophm.blocks.cut_sets import MinimalSet
 from robophm.blocks.listed_sets import ListedSets
 from robophm.blocks.top_event import Answer, TopEvent
 from robophm.cli.shared.output import console, print_table, table
-from robophm.core.errors import StructureError
 from robophm.core.json_values import plain
 from robophm.design.importers.open_psa import Model, load
 from robophm.design.robot import Robot
@@ -22,6 +22,9 @@ from robophm.health.unknown_rates import PartsOfUnknownRate
 from robophm.report.minimal_sets import counted, left_out
 from robophm.report.words import number_text
 
+MOST_EVENTS = 1_000_000
+"""A number of events that no minimal cut set has, so that the smallest are listed whatever their number."""
+
 _MOST_WRITTEN = 10**4000  # Python writes no number of more than 4,300 digits
 
 
@@ -31,7 +34,8 @@ class System:
 
     name: str
     when: str
-    event: TopEvent
+    found: TopEvent | None
+    """The top event; None where constants and house events decide it."""
     rates: Mapping[str, float] = field(default_factory=dict)
     """Hazard rates of events that fail at a constant one [1/h]."""
     unknown: PartsOfUnknownRate | None = None
@@ -40,6 +44,16 @@ class System:
     """Model that it was read from; None where it is of a robot."""
     source: str = ""
     time: float | None = None
+    no_chance: int = 0
+    """Number of basic events without a probability: where there are any, the event's probabilities mean nothing."""
+
+    @property
+    def event(self) -> TopEvent:
+        """Return its top event. Raises RobophmError where it is decided, or where its events have no probabilities."""
+        if self.model and (self.found is None or self.no_chance):
+            return self.model.top_event()
+        assert self.found is not None
+        return self.found
 
     def fails(self, text: str) -> str:
         """Return in words how likely it has failed."""
@@ -63,15 +77,13 @@ def of_robot(robot: Robot, function: str | None, hours: float) -> System:
     return System(f"{robot.name}: {function}" if function else robot.name, when, found, found.rates, found.unknown)
 
 
-def of_model(path: Path, time: float | None, top: str | None) -> System:
-    """Return the system of a model in the Open-PSA format, at a mission time."""
-    model = load(path, time, top)
-    try:
-        event = model.top_event()
-    except StructureError as error:
-        raise StructureError(f"{path}: {error}") from None
+def of_model(paths: Sequence[Path], time: float | None, top: str | None) -> System:
+    """Return the system of a model in the Open-PSA format, of one file or several, at a mission time."""
+    model = load(paths, time, top)
+    event = model.structure() if model.tree else None
     when = f"at {number_text(time)} h" if time is not None else "as given"
-    return System(model.name, when, event, model=model, source=path.name, time=time)
+    names = ", ".join(path.name for path in paths)
+    return System(model.name, when, event, model=model, source=names, time=time, no_chance=len(model.no_chance))
 
 
 def answer_text(answer: Answer) -> str:
@@ -115,17 +127,28 @@ def sets_json(listed: ListedSets) -> dict[str, Any]:
     return {key: plain(value) for key, value in found.items()}
 
 
+def sets_alone(answer: Answer, most: int, order: int | None) -> ListedSets:
+    """Return the smallest cut sets of a tree whose probabilities mean nothing: the sets have none."""
+    found = answer.cut_sets(most, order or MOST_EVENTS)
+    sets = tuple(MinimalSet(one.names, math.nan) for one in found.sets)
+    return replace(found, mass=math.nan, sets=sets, neglected=math.nan, whole=math.nan)
+
+
 def print_sets(listed: ListedSets, kind: str) -> None:
     """Print sets for people."""
     out = console()
     out.print(counted(listed, kind), markup=False)
     rows = [
-        (str(len(one.names)), f"{one.probability:.4g}", _share_text(listed.share(one)), ", ".join(one.names))
+        (str(len(one.names)), _chance_text(one.probability), _share_text(listed.share(one)), ", ".join(one.names))
         for one in listed.sets
     ]
     print_table(out, table("", ("parts", "probability", "share", f"minimal {kind} set"), rows, figures=(0, 1, 2)))
     if rest := left_out(listed):
         out.print(rest, markup=False)
+
+
+def _chance_text(p: float) -> str:
+    return "–" if math.isnan(p) else f"{p:.4g}"
 
 
 def _share_text(share: float) -> str:

@@ -41,7 +41,8 @@ Force = Annotated[bool, typer.Option("--force", help="also where that file exist
 Via = Annotated[
     str,
     typer.Option(
-        "--via", help="auto, ros1, ros2, dds, rclpy, mqtt://broker/topic or foxglove://robot: how the robot is heard"
+        "--via",
+        help="auto, ros1, ros2, dds, rclpy, zenoh[://robot], mqtt://broker/topic or foxglove://robot: how it is heard",
     ),
 ]
 ChanceSeed = Annotated[int, typer.Option(help="seed of --monte-carlo", min=0)]

@@ -79,7 +79,7 @@ def wheel() -> Any:
 def _remedy() -> str:
     if platform.machine() not in ("x86_64", "AMD64") or sys.version_info >= (3, 14):
         here = f"Python {sys.version_info[0]}.{sys.version_info[1]} on {platform.machine()}"
-        return f"there is none for {here}; with ROS 2's setup sourced, its own rclpy serves"
+        return f"there is none for {here}; with ROS 2's setup sourced, its own rclpy serves; or robophm[zenoh]"
     return "pip install robophm[ros2]"
 
 

@@ -8,13 +8,13 @@ publisher tells (REP-2011; Iron and later).
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 from robophm.core.errors import SourceError
-from robophm.transports.health_topics.definitions import PACKAGE, definition, typestore
+from robophm.transports.health_topics.definitions import PACKAGE, definition, service_types, typestore
 from robophm.transports.ros2_dds.interfaces import Interface, candidates
 from robophm.transports.signals.installed_definitions import (
     NAME,
@@ -29,6 +29,7 @@ from robophm.transports.signals.message_type import MessageType, message_type
 DISTRIBUTIONS = ("LATEST", "ROS2_KILTED", "ROS2_JAZZY", "ROS2_IRON", "ROS2_HUMBLE")
 """Distributions whose types are searched if they are not installed, by rosbags' names."""
 
+_EVENT_INFO = "service_msgs/msg/ServiceEventInfo"
 _DDS_NAME = re.compile(r"([A-Za-z]\w*)::(msg|srv|action)::dds_::([A-Za-z]\w*)_\Z", re.ASCII)
 
 
@@ -103,21 +104,47 @@ def known(topic: str, name: str, told: str = "", *, newest: bool = False) -> Def
     )
 
 
+def hash_of_service(name: str, definitions: Sequence[str]) -> str:
+    """Return the hash of a service, ``phm_msgs/srv/AssessTask``, of the texts of its request and its response.
+
+    It is that of a structure with a request, a response and an event of both (REP-2011, rosidl). Raises SourceError
+    where a text cannot be read.
+    """
+    from rosbags.interfaces import Nodetype
+
+    request, response, event = (f"{name}_{part}" for part in ("Request", "Response", "Event"))
+    types: dict[str, Any] = {}
+    for half, spelled, text in zip((request, response), service_types(name, 2), definitions, strict=True):
+        found = defined(name, spelled, text).type
+        types |= {half if one == found.name else one: parts for one, parts in found.definitions.items()}
+    info = known(name, _EVENT_INFO, newest=True).type
+    types |= info.definitions
+    ends = [
+        (end, (Nodetype.SEQUENCE, ((Nodetype.NAME, half), 1)))
+        for end, half in (("request", request), ("response", response))
+    ]
+    types[event] = [], [("info", (Nodetype.NAME, _EVENT_INFO)), *ends]
+    whole = zip(("request_message", "response_message", "event_message"), (request, response, event), strict=True)
+    types[name] = [], [(field, (Nodetype.NAME, one)) for field, one in whole]
+    return _hash(types, name)
+
+
 def _compiled(topic: str, name: str, text: str, origin: str) -> Definition:
     from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinition, MessageDefinitionFormat
 
     definition = MessageDefinition(MessageDefinitionFormat.MSG, text)
     type_ = message_type(Connection(0, topic, name, definition, "", 0, ConnectionExtRosbag2("cdr", []), None))
-    return Definition(type_, _hash(type_), origin)
+    return Definition(type_, _hash(type_.definitions, type_.name), origin)
 
 
-def _hash(type_: MessageType) -> str:
+def _hash(types: Mapping[str, Any], of: str) -> str:
+    """The hash of a type among some, by name."""
     from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.EMPTY)
-    for name, (constants, fields) in type_.definitions.items():
+    for name, (constants, fields) in types.items():
         store.fielddefs[name] = (constants, [(field, _as_rosidl(part)) for field, part in fields])
-    return store.hash_rihs01(type_.name)
+    return store.hash_rihs01(of)
 
 
 def _as_rosidl(part: Any) -> Any:

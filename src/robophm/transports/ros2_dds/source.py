@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import uuid
 from collections.abc import Collection, Iterator
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from robophm.core.errors import SourceError
 from robophm.transports.live.receiving import (
@@ -52,9 +52,17 @@ class Ros2(ListeningSource):
         self._tick = tick_of(period)
         self._closed = False
         self._closing = threading.RLock()  # a signal may close while we are in it
-        self._graph = self._node.join(domain)
+        self._graph = self._join(domain)
         self._discovery = self._graph.discovery()
         self._fields: dict[tuple[str, str], tuple[str, ...]] = {}
+
+    def _join(self, domain: int | None) -> Any:
+        """The graph that is listened to."""
+        return self._node.join(domain)
+
+    def _listener(self, notes: Incidents) -> Node:
+        """A node of our own in it, which listens."""
+        return self._node(domain=self._graph.place.domain, notes=notes)
 
     @property
     def place(self) -> str:
@@ -106,10 +114,10 @@ class Ros2(ListeningSource):
         if self._run:
             self._run.close()
         simulated = any(offer.topic == f"rt{CLOCK_TOPIC}" for offer in self._offers())
-        self.notes = Incidents()
-        queue = Queue(self.notes, self._queue)
-        hearing = Receiver(self.notes, queue.put, topics, simulated=simulated, known_to=self.known_to)
-        node = self._node(domain=self._graph.place.domain, notes=self.notes)
+        self.notes = notes = Incidents()
+        queue = Queue(notes, self._queue)
+        hearing = Receiver(notes, queue.put, topics, simulated=simulated, known_to=self.known_to)
+        node = self._listener(notes)
         listening = Subscription(node, wanted, hearing, self._tick)
         listening.served = queue.hand_on
         run = Run(queue, hearing, listening, node)

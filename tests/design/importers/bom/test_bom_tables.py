@@ -282,3 +282,33 @@ def test_wrong_mappings(tmp_path, text, words):
     with pytest.raises(DesignError) as raised:
         parse_mapping(tmp_path / "map.yaml")
     assert words in str(raised.value)
+
+
+def collated(tmp_path, last):
+    """A list that names each part alone, and then, below its header again, all of a kind together."""
+    head = '"Item","Qty","Reference(s)","Value","ManufacturerPartNum"\n'
+    alone = '"","","C1","100n",""\n"","","C2","100n",""\n"","","R1","10k","RC0402FR-0710KL"\n'
+    path = tmp_path / "collated.csv"
+    path.write_text(f'"Component Count:","3"\n\n{head}{alone}\n"Collated Components:"\n\n{head}{last}')
+    return read_parts(path)
+
+
+def test_a_list_that_tells_its_parts_twice_counts_them_once(tmp_path):
+    found = collated(tmp_path, '"1","2","C1, C2","100n",""\n"2","1","R1","10k","RC0402FR-0710KL"\n')
+    assert [(part.references, part.quantity) for part in found.parts] == [(("C1", "C2"), 2), (("R1",), 1)]
+    assert found.parts[1].described.part_number == "RC0402FR-0710KL"
+    assert any("name the same parts" in note.text for note in found.left_out)
+    assert not found.notes
+
+
+def test_a_second_list_of_other_parts_is_read_too(tmp_path):
+    found = collated(tmp_path, '"1","2","C1, C3","100n",""\n')
+    assert sum(part.quantity for part in found.parts) == 5
+    assert any("C1 stands in rows" in note.text for note in found.notes)
+
+
+@pytest.mark.parametrize("header", ["manf#", "Mfr #", "ManufacturerPartNum", "Manufacturer_Part_Num", "MfrPartNumber"])
+def test_headers_of_part_numbers(tmp_path, header):
+    (tmp_path / "list.csv").write_text(f"Reference,Value,{header},Manufacturer\nR1,10k,RC0402FR-0710KL,Yageo\n")
+    (part,) = read_parts(tmp_path / "list.csv").parts
+    assert part.described.part_number == "RC0402FR-0710KL"

@@ -162,6 +162,7 @@ def _chosen(path: Path, said: ColumnMapping) -> PartsTable:
         found = ", ".join(repr(cell[:30]) for cell in (seen.cells if seen else ())[:8])
         raise SheetError(f"has no header with e.g. Reference, Quantity, Value, Footprint; found {found}; say which "
                          "columns they are in a mapping file")  # fmt: skip
+    header = next(row for row in sheet.rows() if row.cells == header.cells)  # which may be told again further down
     rows = tuple(row for row in sheet.rows() if row.number > header.number)
     titles = sum(1 for row in islice(sheet.rows(), HEADER_WITHIN) if row.number < header.number)
     places = {column.place for column in columns}
@@ -191,8 +192,8 @@ def _columns(header: tuple[str, ...], below: list[Row], said: ColumnMapping) -> 
     for place, cell in enumerate(header):
         if not 0 < len(cell) <= 60:
             continue
-        words = _folded(cell)
-        claims += [Column(field, cell, place, sure) for field, sure in _meanings(words) if field not in taken_fields]
+        for words in {_folded(cell), _folded(re.sub(r"(?<=[a-z])(?=[A-Z])", " ", cell))}:  # PartNum is two words
+            claims += [Column(field, cell, place, one) for field, one in _meanings(words) if field not in taken_fields]
     claims += [claim for claim in _by_cells(header, below) if claim.field not in taken_fields]
     claims = [_checked(claim, below) for claim in claims]
     taken_places = {column.place for column in found}
@@ -209,8 +210,8 @@ def _columns(header: tuple[str, ...], below: list[Row], said: ColumnMapping) -> 
 
 
 def _folded(text: str) -> str:
-    text = unicodedata.normalize("NFC", text).casefold().replace("_", " ").strip(" :*#.\"'")
-    return " ".join(text.split())
+    text = re.sub(r"(?<=\w)\s*#", " number", unicodedata.normalize("NFC", text).casefold()).replace("_", " ")
+    return " ".join(re.sub(r"\bnum\b", "number", text.strip(" :*#.\"'")).split())
 
 
 _EXACT = {

@@ -11,16 +11,18 @@ from robophm.design.importers.bom.wide_band_gap_series import GAN_TRANSISTORS, S
 KINDS: Mapping[str, str] = {
     # From the special to the general: the first whose words are in a row is what it is. English, German, French; and
     # of semiconductors the beginnings of usual part numbers, for many lists say nothing else of them.
-    "no part": r"test ?points?|testpads?|(mounting|tooling|m[2-8](\.5)?) ?holes?|fiducials?|logo|silkscreen|"
-    r"solder ?jumper|messpunkt",
-    "hardware": r"stand-?offs?|spacers?|screws?|bolts?|nuts?|washers?|rivets?|heat ?sinks?|schrauben?|muttern?|"
+    "no part": r"test ?points?|testpads?|measure?ment ?points?|(mounting|tooling|m[2-8](\.5)?) ?holes?|"
+    r"fiducials?|logo|silkscreen|solder ?jumper|messpunkt",
+    "hardware": r"m[1-9][0-9]?(\.5)? ?x ?([4-9]|[1-9][0-9]+)(\.[0-9]+)?( ?mm)?|(flat|socket|button|pan|hex)[ -]?heads?|"
+    r"stand-?offs?|spacers?|screws?|bolts?|nuts?|washers?|rivets?|heat ?sinks?|schrauben?|muttern?|"
     r"abstandsbolzen|kühlkörper|labels?|etiketten?|zip ?ties?|heat ?shrink( tub(e|ing))?|cable ?ties?|fasteners?",
     "mechanical part": r"bearings?|(pillow|bearing) ?blocks?|bushings?|(wheel ?)?hubs?|wheels?|cast[eo]rs?|tyres?|"
     r"tires?|"
     r"gears?|gear ?box(es)?|pulleys?|sprockets?|chains?|belts?|shafts?|axles?|couplers?|couplings?|"
     r"springs?|brackets?|"
     r"plates?|chassis|enclosures?|housings?|lids?|hinges?|clamps?|extrusions?|horns?|magnets?|o-?rings?|bumpers?|"
-    r"handles?|knobs?|holders?|(caster ?)?balls?|(?<!panel )(?<!board )(?<!surface )(?<!chassis )(?<!hole )mounts?|"
+    r"handles?|levers?|covers?|frames?|knobs?|holders?|"
+    r"(caster ?)?balls?|(?<!panel )(?<!board )(?<!surface )(?<!chassis )(?<!hole )mounts?|"
     r"kugellager|wälzlager|zahnr[aä]d(er)?|räder|gehäuse|wellen?|federn?|roulements?|roues?|engrenages?|ressorts?",
     "whole device": r"\w*lidars?|jetson\w*|raspberry ?pi\w*|rpi ?(pico|zero|cm|[2-5])\w*|nucleo\w*|"
     r"daisy ?seed|arduino\w*|teensy\w*|beagle ?bone\w*|cameras?|webcams?|"
@@ -33,7 +35,8 @@ KINDS: Mapping[str, str] = {
     r"fans?|blowers?|lüfter|ventilat(or|eur)(en|s)?|"
     r"(relay|sensor|driver|gps|charger|converter|regulator|power|radio|wi-?fi|bluetooth) ?modules?",
     "cable": r"cables?|wires?|kabel|leitung(en)?|câbles?|cords?",
-    "resettable fuse": r"pptcs?|poly-?fuses?|poly-?switch(es)?|res(e|et)tt?able( fuses?)?|restt?ble|ptc[ -]?fuses?",
+    "resettable fuse": r"mf-[a-z]{1,4}[0-9]\w*|r[xu]ef[0-9]+|(mini|micro|nano)smd[a-z]?[0-9]\w*|"
+    r"pptcs?|poly-?fuses?|poly-?switch(es)?|res(e|et)tt?able( fuses?)?|restt?ble|ptc[ -]?fuses?",
     "thermistor": r"thermistors?|ntc|ptc|heißleiter|kaltleiter",
     "varistor": r"varistors?|mov",
     "optocoupler": r"opto-?couplers?|opto-?isolators?|photo-?couplers?|optokoppler|pc817\w*|"
@@ -76,7 +79,7 @@ KINDS: Mapping[str, str] = {
     "thyristor": r"thyristors?|scrs?|triacs?|diacs?|bt(a|b|1)[0-9]\w*|tic[0-9]{3}\w*",
     "fet": rf"{GAN_TRANSISTORS}|{SIC_TRANSISTORS}|"
     r"mosfets?|jfets?|fets?|[np]-?mos|[np]-?(channel|ch|kanal)|"
-    r"(2n70|bss[18]|irf|irl|ao[0-9]{3}|si[0-9]{3}|dm[np][0-9]|csd[0-9]|fds[0-9]|ntr[0-9])\w*",
+    r"(2n70|bss[18]|irf|irl|ao[0-9]{3}|si[0-9]{3}|dm[np][0-9]|csd[0-9]|fd[a-z]{1,2}[0-9]{3}|ntr[0-9])\w*",
     "bipolar transistor": r"bjts?|npn|pnp|bipolar|darlington|"
     r"(bc[3-8][0-9]{2}|2n[2-6][0-9]{3}|[mp]mbt|bd[0-9]{3}|bcp5|tip[0-9]|mje[0-9]|s8[05]50)\w*",
     "transistor": r"transistors?|transistoren|igbts?",
@@ -233,6 +236,8 @@ def kind_of(letters: str, row: Spoken) -> tuple[str, str, str]:
 def _electronic(lettered: tuple[str, ...], kinds: set[str], row: Spoken) -> tuple[str, str]:
     said = " ".join((*row.names, row.value, row.part_number))
     if lettered and (found := _first(kinds, said, numbers_first=True) or _first(kinds, row.note)):
+        if found == "ferrite bead" and "inductor" in row.measured:  # beads have ohms: it has a core of ferrite
+            return "inductor", ""
         sure = len(lettered) == 1 and _ORDER.index(lettered[0]) < _ORDER.index(found) and found != "microcircuit"
         return (lettered[0] if sure else found), ""  # RN is a network, also where its words say resistor
     if row.coded:
@@ -243,7 +248,9 @@ def _electronic(lettered: tuple[str, ...], kinds: set[str], row: Spoken) -> tupl
         return of_value[0], ""
     if found := _named(lettered, row):
         return found, "by its words"
-    if found := _first(kinds if not _CONNECTS.isdisjoint(lettered) else _ELECTRONIC, row.footprint):
+    land = row.footprint.rpartition(":")[2]
+    footprint = land if lettered and _SHAPE.match(land) else row.footprint  # a fuse may be on a land for resistors
+    if found := _first(kinds if not _CONNECTS.isdisjoint(lettered) else _ELECTRONIC, footprint):
         return found, "" if found in lettered else "by its footprint"
     if "inductor" in lettered and "resistor" in row.measured:  # beads are sold by their ohms at 100 MHz
         return "ferrite bead", GUESS_BY_VALUE
@@ -257,7 +264,7 @@ def _electronic(lettered: tuple[str, ...], kinds: set[str], row: Spoken) -> tupl
 def _by_shape_or_value(row: Spoken) -> tuple[str, str]:
     """What a land pattern such as R0603 says, where the value can be of it; else the unit of the value."""
     shape = _SHAPE.match(row.footprint.rpartition(":")[2])
-    kinds = PREFIXES.get(shape[1], ()) if shape else ()
+    kinds = PREFIXES.get(shape[1].upper(), ()) if shape else ()
     if len(kinds) == 1 and (not row.measured or kinds[0] in row.measured):
         return kinds[0], "by its footprint"
     if len(row.stated) == 1:
@@ -279,7 +286,9 @@ def _named_after_itself(row: Spoken) -> bool:
 
 def _named(lettered: tuple[str, ...], row: Spoken) -> str:
     """The kind that words name, against the letters or without any."""
-    for cell in row.names if lettered else (*row.names, row.value, row.note):
+    circuit = not _CIRCUITS.isdisjoint(lettered)
+    for said in row.names if lettered else (*row.names, row.value, row.note):
+        cell = _BUS.sub("", said) if circuit else said  # a circuit for USB is no plug
         if found := _first(_ELECTRONIC, _beginning(cell)) or _first(_ELECTRONIC, cell):
             board = not row.footprint and not lettered and found in MICROCIRCUITS and _ON_BOARDS.search(cell)
             return DEVICE if board and not _by_number(found, f"{cell} {row.value} {row.part_number}") else found
@@ -345,7 +354,10 @@ _ELECTRONIC = tuple(kind for kind in KINDS if kind not in OTHER)
 _CONNECTS = frozenset({"connector", "socket"})
 _CIRCUITS = frozenset(MICROCIRCUITS)
 _IN_UNITS = frozenset({"resistor", "capacitor", "inductor", "crystal"})
-_SHAPE = re.compile(r"(R|C|L|CP|LED|FB)[_-]?(?:0[1-9][0-9]{2,3}|1[0-9]{3}|2[0-9]{3})(?![0-9])")
+_BUS = re.compile(r"(?<![^\W_])usb(?![^\W_])", re.IGNORECASE)
+"""A word by which connectors are called, and circuits that only serve them."""
+
+_SHAPE = re.compile(r"(R|C|L|CP|LED|FB)[_-]?(?:0[1-9][0-9]{2,3}|1[0-9]{3}|2[0-9]{3})(?![0-9])", re.IGNORECASE)
 """Land patterns that say by a letter what stands on them: R0603, C_0805_2012Metric."""
 
 _APART = re.compile(
@@ -358,7 +370,7 @@ _CATALOGUE = re.compile(
     re.IGNORECASE,
 )
 _ON_BOARDS = re.compile(
-    r"accelerometers?|gyro\w*|magnetometers?|compass|imus?|\w+ sensors?|drivers?|v?reg|regulators?|"
+    r"accelerometers?|gyro\w*|magnetometers?|compass|imus?|\w+ sensors?|amplifiers?|drivers?|v?reg|regulators?|"
     r"\w*regler|controllers?|converters?|dc-?dc|treiber",
     re.I,
 )

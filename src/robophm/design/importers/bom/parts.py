@@ -189,6 +189,10 @@ _WITH_VOLTAGE = (
     "capacitor", "supercapacitor", "fuse", "varistor", "tvs diode", "zener diode", "schottky diode", "rectifier",
     "diode", "thyristor", "bipolar transistor", "lamp",
 )  # fmt: skip
+_RECTIFYING = ("diode", "rectifier", "schottky diode")
+_FORWARD = 1.5
+"""Volts below which a diode's value is what drops across it, and not what it blocks."""
+
 _WITH_CURRENT = ("fuse", "inductor", "relay", "switch", "thyristor")
 
 
@@ -258,8 +262,7 @@ class _Said:
         elif kind in ("relay", "switch", "circuit breaker"):
             found["contact_form"] = self.contact_form()
         if kind in _WITH_VOLTAGE:
-            column = with_unit(self.column["voltage"], "V")
-            found["rated_voltage"] = first(VOLTAGE, "V", column, self.value, self.rest)
+            found["rated_voltage"] = self._rated_voltage(kind)
         if kind in _WITH_CURRENT:
             found["rated_current"] = first(CURRENT, "A", self.value, self.rest)
         known = {name: text for name, text in found.items() if text}
@@ -302,6 +305,14 @@ class _Said:
             "rated_power": power,
             "tolerance": f"{tolerance[1]} %" if tolerance else None,
         }
+
+    def _rated_voltage(self, kind: str) -> str | None:
+        """What a column of voltages or the value says, else the maker's number, else other words."""
+        said = first(VOLTAGE, "V", with_unit(self.column["voltage"], "V"), self.value)
+        if said and kind in _RECTIFYING and float(said.split()[0]) < _FORWARD:
+            said = None
+        number = self.number.facts.get("rated_voltage") if self.number and self.number.kind == kind else None
+        return said or number or first(VOLTAGE, "V", self.rest)
 
     def transistor_power(self) -> str | None:
         power = first(POWER, "W", with_unit(self.column["power"], "W"), self.value, self.rest)

@@ -27,12 +27,19 @@ INDUCTANCE: Patterns = (
     re.compile(rf"{NUMBER}\s?([pnuµμmPNUM])[Hh]{END}"),
     re.compile(rf"{NUMBER}([nuµμNU]){END}"),
 )
-VOLTAGE: Patterns = (re.compile(rf"{NUMBER}\s?(k?)[Vv](?:DC|dc)?{END}"),)
+VOLTAGE: Patterns = (
+    re.compile(rf"{NUMBER}\s?(k?)[Vv](?:DC|dc)?{END}(?!\s(?:decoupling|rails?|suppl(?:y|ies)|line|side)(?![^\W_]))"),
+)
+"""Voltages that are rated: not those of the rail that a capacitor decouples."""
 CURRENT: Patterns = (re.compile(rf"{NUMBER}\s?([mu]?)A{END}"),)
 FREQUENCY: Patterns = (re.compile(rf"{NUMBER}\s?([kKMG]?)[hH][zZ]{END}"),)
 POWER: Patterns = (
-    re.compile(rf"(?<![\w./])([0-9]{{1,9}}(?:\.[0-9]{{1,6}})?(?:/[0-9]{{1,2}})?|\.[0-9]{{1,6}})\s?(m?)W{END}"),
+    re.compile(
+        rf"(?<![\w./])([0-9]{{1,9}}(?:\.[0-9]{{1,6}})?(?:/[0-9]{{1,2}})?|\.[0-9]{{1,6}})\s?(m?)W{END}"
+        r"(?!\s?(?:at|@)\s?[0-9.]+\s?m?[AV](?![^\W_]))"
+    ),
 )
+"""Powers that are rated, also at a temperature; at a current or a voltage they are what it dissipates."""
 MEASURED: Mapping[str, tuple[Patterns, str]] = {
     "capacitor": (CAPACITANCE, "F"),
     "resistor": (RESISTANCE, "ohm"),

@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 from robophm.core.errors import DesignError
@@ -111,6 +113,7 @@ class _List:
                 f"the sheet '{name}' looks like a parts list too and is not read; a mapping with sheet: {name} reads it"
             )
             self.notes.append(Note(self.table.header_row, text))
+        rows = self._told_once(rows)
         for i, row in enumerate(rows):
             ends = _SUM.match(next(cell for cell in row.cells if cell))
             if ends and not self.any_parts(rows[i:]):
@@ -125,6 +128,38 @@ class _List:
                 Note(places[0], f"{reference} stands in rows {at}; each of them is taken for parts of its own")
             )
         return PartsList(self.table, tuple(self.parts), tuple(self.errors), tuple(self.left_out), tuple(self.notes))
+
+    def _told_once(self, rows: Sequence[Row]) -> list[Row]:
+        """The rows without sections that name the same parts as another: one for each, and all of a kind in one row.
+
+        A section begins with the header, told again. Of those that name the same the shortest is taken.
+        """
+        starts = [0, *(i for i, row in enumerate(rows) if self._is_header(row)), len(rows)]
+        sections = [rows[start:end] for start, end in pairwise(starts)]
+        named = [frozenset(self._references_in(section)) for section in sections]
+        taken = {named[i]: i for i in sorted(range(len(sections)), key=lambda i: -len(sections[i]))}
+        found: list[Row] = []
+        for i, section in enumerate(sections):
+            kept = taken[named[i]]
+            if named[i] and i != kept:
+                text = f"rows {section[0].number} to {section[-1].number} name the same parts as those from "
+                self.left_out.append(Note(section[0].number, f"{text}row {sections[kept][0].number}, which are taken"))
+            else:
+                found += section
+        return found
+
+    def _references_in(self, rows: Sequence[Row]) -> Iterator[str]:
+        for row in rows:
+            if not self._is_header(row):
+                with suppress(ReferencesError):
+                    yield from expand(self.cell(row, "reference"))
+
+    def _is_header(self, row: Row) -> bool:
+        """Whether a row is the header again."""
+        cells = [self.cell(row, column.field) for column in self.table.columns]
+        return any(cells) and all(
+            cell in ("", column.header) for cell, column in zip(cells, self.table.columns, strict=True)
+        )
 
     def built(self, rows: Sequence[Row]) -> int:
         """For how many boards the quantities are, where all of three rows and more are the same multiple."""
@@ -197,7 +232,9 @@ class _List:
         doubled = [name for name, times in Counter(references).items() if times > 1]
         if doubled:
             self.notes.append(Note(row.number, f"{', '.join(doubled[:5])} stand several times in this row"))
-        name = _short_references(references) or described.value or described.part_number or described.description
+        code = described.part_number if re.search(r"[A-Za-z]", described.part_number) else ""  # 938 names nothing
+        words = (described.value, code, described.description, described.library, described.part_number)
+        name = _short_references(references) or next(filter(None, words), "")
         recognised = recognise(references, described, self.table.decimal)
         if recognised.kind in NO_PARTS:
             self.left_out.append(Note(row.number, f"{reference or name} is no electrical part"))
@@ -217,7 +254,7 @@ class _List:
 
     def no_part(self, row: Row, said: Mapping[str, str]) -> str:
         """The reason why a row is no part: the header again, a heading, a sum; '' where it is one."""
-        if all(said[column.field] in ("", column.header) for column in self.table.columns) and any(said.values()):
+        if self._is_header(row):
             return "is the header again"
         filled = [cell for cell in said.values() if cell]
         if (

@@ -1,14 +1,15 @@
 """Fault trees in the Open-PSA model exchange format, as other reliability tools read and write them.
 
-Epstein, Rauzy and Reinhart, "Open-PSA Model Exchange Format", version 2.0d (2008). What is taken: fault trees, their
-gates of nested formulas, basic and house events, parameters, in any order and in several fault trees, which may use
-each other's events by name. Common-cause groups, components' private names and event trees are refused in words.
+Epstein, Rauzy and Reinhart, "Open-PSA Model Exchange Format", version 2.0d (2008). What is taken: fault trees of one
+file or several, which may include each other, their gates of nested formulas, basic and house events, parameters and
+common-cause groups, public and private, in any order, and trees whose events have no probabilities. Event trees,
+alignments and substitutions are refused in words.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,11 +17,15 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.blocks.fault_tree import FaultTree
-from robophm.blocks.graph import ALL, ANY, NOT, ODD, UNIT, Gate
+from robophm.blocks.graph import ANY, UNIT, Gate
 from robophm.blocks.top_event import TopEvent
 from robophm.core.errors import DesignError, StructureError, nearest
-from robophm.core.markup import Element, Markup
+from robophm.core.markup import Element
+from robophm.design.importers.open_psa.common_causes import Group, causes, members
 from robophm.design.importers.open_psa.expressions import Expressions, Life
+from robophm.design.importers.open_psa.files import Files
+from robophm.design.importers.open_psa.formulas import Formulas, constant, references
+from robophm.design.importers.open_psa.names import Names, name_of
 
 Array = npt.NDArray[np.float64]
 
@@ -28,8 +33,8 @@ _DEFINITIONS = {
     "define-gate": "gate", "define-basic-event": "basic-event", "define-house-event": "house-event",
     "define-parameter": "parameter",
 }  # fmt: skip
-_EVENTS = ("gate", "basic-event", "house-event")
-_FORMULAS = ("and", "or", "not", "xor", "nand", "nor", "iff", "imply", "atleast", "cardinality")
+_GROUP = "define-CCF-group"
+_MEMBER = "member of a common-cause group"
 
 
 @dataclass(frozen=True)
@@ -47,9 +52,22 @@ class Model:
     """Whether the top event always occurs, where there is no tree."""
     lives: tuple[Life | None, ...] = ()
     """Life of each basic event that fails as a part does; None where only its probability is known."""
+    no_chance: tuple[Element, ...] = ()
+    """Definitions of basic events without a probability. Where there are any, all probabilities are one half."""
 
     def top_event(self) -> TopEvent:
-        """Return its top event. Raises StructureError where constants and house events decide it."""
+        """Return its top event, with the probabilities of its basic events.
+
+        Raises StructureError where constants and house events decide it, DesignError where an event has no probability.
+        """
+        if self.no_chance:
+            first, more = self.no_chance[0], len(self.no_chance) - 1
+            also = f", nor {more} more" if more else ""
+            raise first.fault(f"'{name_of(first)}' has no probability{also}; expected one of each basic event")
+        return self.structure()
+
+    def structure(self) -> TopEvent:
+        """Return its top event, whose probabilities mean nothing where an event has none; raises as ``top_event``."""
         if self.tree is None:
             says = "always occurs" if self.certain else "never occurs"
             raise StructureError(f"'{self.name}' {says}: constants and house events decide it")
@@ -57,115 +75,147 @@ class Model:
 
     def probability(self) -> float:
         """Return the probability of the top event. Raises StructureError where it is too large to solve exactly."""
-        return float(self.tree.probability(self.occurred, self.not_yet)) if self.tree else float(self.certain)
+        return self.top_event().probability if self.tree else float(self.certain)
 
 
-def load(path: Path, time: float | None = None, top: str | None = None) -> Model:
-    """Read a model; ``time`` is its mission time [h], ``top`` a gate where several are used by no other.
+def load(path: Path | Sequence[Path], time: float | None = None, top: str | None = None) -> Model:
+    """Read a model, of one file or several; ``time`` is its mission time [h], ``top`` a gate where several are used
+    by no other.
 
     Raises DesignError, one line with file and line, for what is no XML, not taken or contradicts itself.
     """
-    return _Reader(Markup(path)).model(time, top)
+    return _Reader([path] if isinstance(path, Path) else list(path)).model(time, top)
 
 
 class _Reader:
-    def __init__(self, file: Markup) -> None:
-        self.file = file
-        self.defined: dict[str, Element] = {}
-        self.kind: dict[str, str] = {}
-        self.parameters: dict[str, Element] = {}
-        root = file.root()
-        if root.tag != "opsa-mef":
-            raise file.fault(root.line, f"is a '{root.tag}'; expected an opsa-mef")
-        for part in root.inside():
-            if part.tag in ("define-fault-tree", "model-data"):
-                self._collect(part)
-            else:
-                raise file.fault(part.line, f"'{part.tag}' is not taken; expected define-fault-tree or model-data")
+    def __init__(self, paths: list[Path]) -> None:
+        self.where = ", ".join(map(str, paths))
+        self.files = Files(paths)
+        self.events, self.parameters = Names(), Names()
+        self.groups: list[Group] = []
+        self._trees: dict[str, Element] = {}
+        for root in self.files.roots:
+            for part in self.files.inside(root):
+                if part.tag == "define-fault-tree":
+                    first = self._trees.setdefault(name_of(part), part)
+                    if first is not part:
+                        raise part.fault(f"'{name_of(part)}' is defined twice; first in line {first.line}")
+                    self._collect(part, name_of(part), public=_public(part, public=True))
+                elif part.tag == "model-data":
+                    self._collect(part, "", public=True)
+                elif part.tag == _GROUP:
+                    self._group(part, "", public=True)
+                else:
+                    says = f"'{part.tag}' is not taken; expected define-fault-tree, define-CCF-group or model-data"
+                    raise part.fault(says)
 
-    def _collect(self, part: Element) -> None:
-        for one in part.inside():
-            if one.tag == "define-component":
-                self._collect(one)
-                continue
-            kind = _DEFINITIONS.get(one.tag)
-            if kind is None:
-                raise self.file.fault(one.line, f"'{one.tag}' is not taken{nearest(one.tag, _DEFINITIONS)}")
-            name = self._name(one)
-            known = self.parameters if kind == "parameter" else self.defined
-            if name in known:
-                if kind != "parameter" and self.kind[name] == kind == "basic-event" and not list(one.inside()):
-                    continue  # named in a tree, and given its probability in the model data
-                first = known[name]
-                if kind == "parameter" or self.kind[name] != kind or list(first.inside()):
-                    raise self.file.fault(one.line, f"'{name}' is defined twice; first in line {first.line}")
-            known[name] = one
-            if kind != "parameter":
-                self.kind[name] = kind
+    def _collect(self, whole: Element, base: str, *, public: bool) -> None:
+        todo = [(whole, base, public)]
+        components: set[str] = set()
+        while todo:
+            part, within, seen = todo.pop()
+            for one in self.files.inside(part):
+                if one.tag == "define-component" and base:
+                    path = f"{within}.{name_of(one)}"
+                    if path in components:
+                        raise one.fault(f"component '{name_of(one)}' is defined twice")
+                    components.add(path)
+                    todo.append((one, path, _public(one, public=seen)))
+                elif one.tag == _GROUP and base:
+                    self._group(one, within, public=seen)
+                elif kind := _DEFINITIONS.get(one.tag):
+                    if not base and not _public(one, public=True):
+                        raise one.fault(f"'{name_of(one)}' is private; expected that in a fault tree, which it is of")
+                    table = self.parameters if kind == "parameter" else self.events
+                    table.add(one, kind, within, public=_public(one, public=seen))
+                else:
+                    raise one.fault(f"'{one.tag}' is not taken{nearest(one.tag, _DEFINITIONS)}")
 
-    def _name(self, said: Element) -> str:
-        name = said.attributes.get("name", "")
-        if not name:
-            raise self.file.fault(said.line, f"'{said.tag}' has no name")
-        return name.rpartition(".")[2]
+    def _group(self, said: Element, base: str, *, public: bool) -> None:
+        if any(name_of(one.said) == name_of(said) for one in self.groups):
+            raise said.fault(f"common-cause group '{name_of(said)}' is defined twice")
+        names = []
+        for one in members(said):
+            self.events.add(one, _MEMBER, base, public=public)
+            names.append(self.events.found(one, base).name)
+        self.groups.append(Group(said, tuple(names), base))
 
     def model(self, time: float | None, top: str | None) -> Model:
         order = self._order(self._top(top))
-        number: dict[str, int] = {}
+        expressions = Expressions(self.parameters, time)
         values: dict[str, int | bool] = {}
         names: list[str] = []
         gates: list[Gate] = []
-        formulas = _Formulas(self, values, gates)
+        formulas = Formulas(self.events, values, gates)
+
+        def event(name: str) -> int:
+            names.append(name)
+            gates.append(Gate(UNIT, ()))
+            return len(gates) - 1
+
+        shared: dict[str, list[int | bool]] = defaultdict(list)
+        common: dict[str, float] = {}
+        for name, together, p in self._common(order, expressions):
+            common[name] = p
+            number = event(name)
+            for one in together:
+                shared[one].append(number)
         for name in order:
-            said = self.defined[name]
-            if self.kind[name] == "basic-event":
-                values[name] = number[name] = len(gates)
-                names.append(name)
-                gates.append(Gate(UNIT, ()))
-            elif self.kind[name] == "house-event":
-                values[name] = self._state(said)
+            _, said, kind, base = self.events.named[name]
+            if kind == "basic-event":
+                values[name] = event(name)
+            elif kind == _MEMBER:
+                values[name] = formulas.at_least(1, shared[name])
+            elif kind == "house-event":
+                values[name] = _state(said)
             else:
-                values[name] = formulas.value(self._formula(said))
+                values[name] = formulas.value(_formula(said), base)
         whole = values[order[-1]]
-        expressions = Expressions(self.file, self.parameters, time)
-        chances = [expressions.probability(self.defined[name]) for name in names]
         if isinstance(whole, bool):
             return Model(order[-1], None, np.empty(0), np.empty(0), whole)
         if whole < len(gates) - 1:  # the last one is the top
             gates.append(Gate(ANY, (whole,)))
-        p, q = np.array(chances).T
-        lives = tuple(expressions.life(self.defined[name]) for name in names)
-        return Model(order[-1], FaultTree(names, gates), p, q, lives=lives)
+        basic = {name: self.events.named[name] for name in names if name not in common}
+        none = tuple(one.said for one in basic.values() if not list(one.said.inside()))
+        tree = FaultTree(names, gates)
+        if none:
+            half = np.full(len(names), 0.5)
+            return Model(order[-1], tree, half, half, lives=(None,) * len(names), no_chance=none)
+        found = {one.name: expressions.probability(one.said, one.base) for one in basic.values()}
+        found |= {name: (p, 1.0 - p) for name, p in common.items()}
+        p, q = np.array([found[name] for name in names]).T
+        known = {one.name: expressions.life(one.said, one.base) for one in basic.values()}
+        return Model(order[-1], tree, p, q, lives=tuple(known.get(name) for name in names))
+
+    def _common(self, order: list[str], expressions: Expressions) -> Iterator[tuple[str, tuple[str, ...], float]]:
+        """The failures of members of the groups that the top hangs on: name, which fail in it, and probability."""
+        needed = set(order)
+        for group in self.groups:
+            if not needed.isdisjoint(group.members):
+                for together, p in causes(group, expressions):
+                    if not needed.isdisjoint(together):
+                        yield f"[{' '.join(together)}]", together, p
 
     def _top(self, wanted: str | None) -> str:
-        tops = [name for name, kind in self.kind.items() if kind == "gate"]
+        tops = {one.name: one for one in self.events if one.kind == "gate"}
         if wanted is not None:
             if wanted not in tops:
-                raise DesignError(f"{self.file.name}: no gate '{wanted}'{nearest(wanted, tops)}")
+                raise DesignError(f"{self.where}: no gate '{wanted}'{nearest(wanted, tops)}")
             return wanted
-        used = {name for gate in tops for name, _ in self._references(self.defined[gate])}
+        used = {self.events.found(said, gate.base).name for gate in tops.values() for said in references(gate.said)}
         free = [name for name in tops if name not in used]
         if not tops:
-            raise DesignError(f"{self.file.name}: defines no gate")
+            raise DesignError(f"{self.where}: defines no gate")
         if not free:
-            self._order(tops[0])  # finds the loop
+            self._order(next(iter(tops)))  # finds the loop
         if len(free) > 1:
-            listed = ", ".join(f"'{name}' (line {self.defined[name].line})" for name in free[:5])
+            listed = ", ".join(f"'{name}' (line {tops[name].said.line})" for name in free[:5])
             more = f" and {len(free) - 5} more" if len(free) > 5 else ""
             raise DesignError(
-                f"{self.file.name}: {len(free)} gates are used by no other: {listed}{more}; expected one, or "
+                f"{self.where}: {len(free)} gates are used by no other: {listed}{more}; expected one, or "
                 "the name of the top gate"
             )
         return free[0]
-
-    def _references(self, said: Element) -> Iterator[tuple[str, Element]]:
-        todo = [said]
-        while todo:
-            one = todo.pop()
-            if one is not said and one.tag in (*_EVENTS, "event"):
-                yield self._name(one), one
-            else:
-                todo += reversed(one.children)
 
     def _order(self, top: str) -> list[str]:
         """All events that the top hangs on, inputs first. Raises DesignError for what is not defined, and loops."""
@@ -182,120 +232,41 @@ class _Reader:
                 done[todo.pop()] = None
                 continue
             inputs: dict[str, None] = {}
-            if self.kind[name] == "gate":
-                for inner, said in self._references(self.defined[name]):
-                    kind = said.attributes.get("type", said.tag)
-                    if inner not in self.defined:
-                        raise self.file.fault(said.line, f"'{inner}' is not defined{nearest(inner, self.defined)}")
-                    if kind not in ("event", self.kind[inner]):
-                        raise self.file.fault(said.line, f"'{inner}' is used as a {kind}, but is a {self.kind[inner]}")
-                    if inner in under_way or inner == name:
+            one = self.events.named[name]
+            if one.kind == "gate":
+                for said in references(one.said):
+                    kind = said.attributes.get("type", said.tag).strip()
+                    inner = self.events.found(said, one.base)
+                    if kind != "event" and kind != (known := "basic-event" if inner.kind == _MEMBER else inner.kind):
+                        raise said.fault(f"'{inner.name}' is used as a {kind}, but is a {known}")
+                    if inner.name in under_way or inner.name == name:
                         circle = [*under_way, name]
-                        circle = [*circle[circle.index(inner) :], inner]
-                        raise self.file.fault(said.line, f"loop: {' → '.join(circle)}")
-                    inputs[inner] = None
+                        circle = [*circle[circle.index(inner.name) :], inner.name]
+                        raise said.fault(f"loop: {' → '.join(circle)}")
+                    inputs[inner.name] = None
             under_way[name] = list(inputs)
             todo += [inner for inner in reversed(inputs) if inner not in done]
         return list(done)
 
-    def _formula(self, gate: Element) -> Element:
-        inside = list(gate.inside())
-        if len(inside) != 1:
-            raise self.file.fault(gate.line, f"gate '{self._name(gate)}' has {len(inside)} formulas; expected one")
-        return inside[0]
 
-    def _state(self, house: Element) -> bool:
-        inside = list(house.inside())
-        if len(inside) != 1 or inside[0].tag != "constant":
-            raise self.file.fault(house.line, f"house event '{self._name(house)}' has no state; expected a constant")
-        return self.constant(inside[0])
-
-    def constant(self, said: Element) -> bool:
-        """Return the value of a house event, or of a constant in a formula."""
-        if said.attributes.get("value") not in ("true", "false"):
-            raise self.file.fault(said.line, f"constant {said.attributes.get('value')!r:.60}; expected true or false")
-        return said.attributes["value"] == "true"
-
-    def name_of(self, said: Element) -> str:
-        """Return the name of the event to which a formula refers."""
-        return self._name(said)
+def _public(said: Element, *, public: bool) -> bool:
+    """Whether a definition is, which has the role of what it stands in unless it says its own."""
+    role = said.attributes.get("role", "public" if public else "private")
+    if role not in ("public", "private"):
+        raise said.fault(f"role {role!r:.40}; expected public or private")
+    return role == "public"
 
 
-class _Formulas:
-    """Formulas as gates; what constants decide is decided."""
+def _formula(gate: Element) -> Element:
+    inside = list(gate.inside())
+    if len(inside) != 1:
+        raise gate.fault(f"gate '{name_of(gate)}' has {len(inside)} formulas; expected one")
+    return inside[0]
 
-    def __init__(self, reader: _Reader, values: dict[str, int | bool], gates: list[Gate]) -> None:
-        self.reader, self.values, self.gates = reader, values, gates
-        self._known: dict[tuple[int, tuple[int, ...]], int] = defaultdict(lambda: -1)
 
-    def value(self, said: Element) -> int | bool:
-        """The number of the gate that a formula is, or what it always is."""
-        if said.tag in (*_EVENTS, "event"):
-            return self.values[self.reader.name_of(said)]
-        if said.tag == "constant":
-            return self.reader.constant(said)
-        fault = self.reader.file.fault
-        if said.tag not in _FORMULAS:
-            raise fault(said.line, f"formula '{said.tag}' is not taken{nearest(said.tag, (*_FORMULAS, *_EVENTS))}")
-        inputs = [self.value(one) for one in said.inside()]
-        n = len(inputs)
-        if not n:
-            raise fault(said.line, f"'{said.tag}' has no inputs; expected at least one")
-        exact = {"not": 1, "iff": 2, "imply": 2}.get(said.tag)
-        if (exact is not None and n != exact) or (said.tag == "xor" and n < 2):
-            raise fault(said.line, f"'{said.tag}' has {n} inputs; expected {exact or 'at least 2'}")
-        if said.tag == "atleast":
-            return self._at_least(self._bound(said, "min", n), inputs)
-        if said.tag == "cardinality":
-            low, high = self._bound(said, "min", n), self._bound(said, "max", n)
-            if low > high:
-                raise fault(said.line, f"cardinality min {low} above max {high}")
-            above = self._not(self._at_least(high + 1, inputs))
-            return self._at_least(2, [self._at_least(low, inputs), above])
-        if said.tag in ("and", "nand"):
-            whole = self._at_least(n, inputs)
-            return self._not(whole) if said.tag == "nand" else whole
-        if said.tag in ("or", "nor"):
-            whole = self._at_least(1, inputs)
-            return self._not(whole) if said.tag == "nor" else whole
-        if said.tag == "not":
-            return self._not(inputs[0])
-        if said.tag == "imply":
-            return self._at_least(1, [self._not(inputs[0]), inputs[1]])
-        odd = self._odd(inputs)
-        return odd if said.tag == "xor" else self._not(odd)
-
-    def _bound(self, said: Element, name: str, n: int) -> int:
-        text = said.attributes.get(name, "")
-        if not (text.isascii() and text.isdigit()) or len(text) > 9:
-            raise self.reader.file.fault(said.line, f"'{said.tag}' has {name} {text!r:.60}; expected a whole number")
-        if int(text) > n:
-            raise self.reader.file.fault(
-                said.line, f"'{said.tag}' has {name} = {text} of {n} inputs; expected at most n"
-            )
-        return int(text)
-
-    def _at_least(self, k: int, inputs: list[int | bool]) -> int | bool:
-        k -= sum(one is True for one in inputs)
-        left = [one for one in inputs if not isinstance(one, bool)]
-        if k <= 0 or k > len(left):
-            return k <= 0
-        return self._gate(ALL if k == len(left) else k, left)
-
-    def _not(self, value: int | bool) -> int | bool:
-        return not value if isinstance(value, bool) else self._gate(NOT, [value])
-
-    def _odd(self, inputs: list[int | bool]) -> int | bool:
-        flipped = sum(one is True for one in inputs) % 2 == 1
-        left = [one for one in inputs if not isinstance(one, bool)]
-        if not left:
-            return flipped
-        odd = left[0] if len(left) == 1 else self._gate(ODD, left)
-        return self._not(odd) if flipped else odd
-
-    def _gate(self, k: int, inputs: list[int]) -> int:
-        key = k, tuple(inputs)
-        if key not in self._known:
-            self._known[key] = len(self.gates)
-            self.gates.append(Gate(*key))
-        return self._known[key]
+def _state(house: Element) -> bool:
+    """The state of a house event; where none is said it is false, as the format has it."""
+    inside = list(house.inside())
+    if len(inside) > 1 or (inside and inside[0].tag != "constant"):
+        raise house.fault(f"house event '{name_of(house)}' has no state; expected a constant")
+    return constant(inside[0]) if inside else False

@@ -6,7 +6,8 @@ import math
 from collections.abc import Callable, Mapping
 
 from robophm.core.errors import nearest
-from robophm.core.markup import Element, Markup
+from robophm.core.markup import Element
+from robophm.design.importers.open_psa.names import Names
 
 _DEPTH = 50  # parameters that are made of parameters
 
@@ -23,12 +24,18 @@ _FUNCTIONS: Mapping[str, tuple[int, int, Callable[..., float]]] = {
     "log10": (1, 1, math.log10),
     "sqrt": (1, 1, math.sqrt),
     "abs": (1, 1, abs),
+    "ceil": (1, 1, math.ceil),
+    "floor": (1, 1, math.floor),
+    "mean": (1, 1000, lambda *xs: math.fsum(xs) / len(xs)),
     "min": (1, 1000, min),
     "max": (1, 1000, max),
+    "periodic-test": (4, 4, lambda *said: _tested(*said)),
     # of what is uncertain, the mean
     "uniform-deviate": (2, 2, lambda low, high: (low + high) / 2),
     "normal-deviate": (2, 2, lambda mean, deviation: mean),
-    "lognormal-deviate": (3, 3, lambda mean, factor, level: mean),
+    "lognormal-deviate": (2, 3, lambda *said: said[0] if len(said) == 3 else math.exp(said[0] + said[1] ** 2 / 2)),
+    "gamma-deviate": (2, 2, lambda shape, scale: shape * scale),
+    "beta-deviate": (2, 2, lambda alpha, beta: alpha / (alpha + beta)),
 }
 _TIMED = ("exponential", "GLM", "Weibull")
 Life = Mapping[str, float]
@@ -40,17 +47,22 @@ _UNITS = ("bool", "int", "float", "hours", "hours-1", "demands")
 class Expressions:
     """The parameters of a model, and what expressions are worth at a mission time [h], None where none is given."""
 
-    def __init__(self, file: Markup, parameters: Mapping[str, Element], time: float | None) -> None:
-        self.file, self.parameters, self.time = file, parameters, time
+    def __init__(self, parameters: Names, time: float | None) -> None:
+        self.parameters, self.time = parameters, time
+        self._base = ""  # where the expression stands that is worked out
         self._values: dict[str, float] = {}
         self._under_way: list[str] = []
 
-    def probability(self, event: Element) -> tuple[float, float]:
-        """(p, 1 − p) of a basic event. Raises DesignError where it has none, or one outside [0, 1]."""
+    def probability(self, event: Element, base: str = "") -> tuple[float, float]:
+        """(p, 1 − p) of a basic event that is defined in ``base``.
+
+        Raises DesignError where it has none, or one outside [0, 1].
+        """
+        self._base = base
         inside = list(event.inside())
         name = event.attributes.get("name")
         if len(inside) != 1:
-            raise self.file.fault(event.line, f"'{name}' has {len(inside)} expressions; expected its probability")
+            raise event.fault(f"'{name}' has {len(inside)} expressions; expected its probability")
         said = inside[0]
         if said.tag in _TIMED:
             cumulative = self._cumulative_hazard(said)
@@ -58,11 +70,12 @@ class Expressions:
                 return -math.expm1(-cumulative), math.exp(-cumulative)
         p = self.value(said)
         if not 0 <= p <= 1:
-            raise self.file.fault(said.line, f"'{name}' has the probability {p:g}; expected 0 … 1")
+            raise said.fault(f"'{name}' has the probability {p:g}; expected 0 … 1")
         return p, 1.0 - p
 
-    def life(self, event: Element) -> Life | None:
+    def life(self, event: Element, base: str = "") -> Life | None:
         """Return the life of a basic event of constant or Weibull rate until the mission time; None for any other."""
+        self._base = base
         said = next(iter(event.inside()), None)
         if said is None or said.tag not in ("exponential", "Weibull"):
             return None
@@ -74,8 +87,10 @@ class Expressions:
         return found if found.get("location", 0.0) >= 0 else None
 
     def _is_mission_time(self, said: Element) -> bool:
+        base = self._base
         while said.tag == "parameter":
-            said = next(iter(self.parameters[said.attributes["name"].rpartition(".")[2]].inside()))
+            found = self.parameters.found(said, base)
+            said, base = next(iter(found.said.inside())), found.base
         return said.tag == "system-mission-time"
 
     def value(self, said: Element) -> float:
@@ -88,7 +103,7 @@ class Expressions:
             return self._parameter(said)
         if said.tag == "system-mission-time":
             if self.time is None:
-                raise self.file.fault(said.line, "asks for the mission time; expected the mission time, in hours")
+                raise said.fault("asks for the mission time; expected the mission time, in hours")
             return self.time
         if said.tag in _TIMED:
             cumulative = self._cumulative_hazard(said)
@@ -99,7 +114,7 @@ class Expressions:
             )
         if said.tag not in _FUNCTIONS:
             known = (*_FUNCTIONS, *_TIMED, "float", "int", "bool", "parameter", "system-mission-time")
-            raise self.file.fault(said.line, f"expression '{said.tag}' is not taken{nearest(said.tag, known)}")
+            raise said.fault(f"expression '{said.tag}' is not taken{nearest(said.tag, known)}")
         fewest, most, function = _FUNCTIONS[said.tag]
         return self._guarded(said, function, self._arguments(said, fewest, most))
 
@@ -111,30 +126,30 @@ class Expressions:
             number = float(text) if said.tag != "bool" else math.nan
         except ValueError:
             says = f"{said.tag} value {text!r:.60} is no number; expected one without a unit"
-            raise self.file.fault(said.line, says) from None
+            raise said.fault(says) from None
         if not math.isfinite(number):
-            raise self.file.fault(said.line, f"{said.tag} value {text!r:.60} is not a finite number")
+            raise said.fault(f"{said.tag} value {text!r:.60} is not a finite number")
         return number
 
     def _parameter(self, said: Element) -> float:
-        name = said.attributes.get("name", "").rpartition(".")[2]
-        if name not in self.parameters:
-            raise self.file.fault(said.line, f"parameter '{name}' is not defined{nearest(name, self.parameters)}")
+        found = self.parameters.found(said, self._base)
+        name, definition = found.name, found.said
         if name not in self._values:
             if name in self._under_way:
                 circle = " → ".join([*self._under_way[self._under_way.index(name) :], name])
-                raise self.file.fault(said.line, f"loop: parameter {circle}")
+                raise said.fault(f"loop: parameter {circle}")
             if len(self._under_way) >= _DEPTH:
-                raise self.file.fault(said.line, f"more than {_DEPTH} parameters that are made of each other")
-            definition = self.parameters[name]
+                raise said.fault(f"more than {_DEPTH} parameters that are made of each other")
             unit = definition.attributes.get("unit", "float")
             if unit not in _UNITS:
-                raise self.file.fault(definition.line, f"unit '{unit}' is not taken; expected {', '.join(_UNITS)}")
+                raise definition.fault(f"unit '{unit}' is not taken; expected {', '.join(_UNITS)}")
             inside = list(definition.inside())
             if len(inside) != 1:
-                raise self.file.fault(definition.line, f"parameter '{name}' has {len(inside)} expressions, not one")
+                raise definition.fault(f"parameter '{name}' has {len(inside)} expressions, not one")
             self._under_way.append(name)
+            outside, self._base = self._base, found.base
             self._values[name] = self.value(inside[0])
+            self._base = outside
             self._under_way.pop()
         return self._values[name]
 
@@ -142,7 +157,7 @@ class Expressions:
         inside = list(said.inside())
         if not fewest <= len(inside) <= most:
             expected = str(fewest) if fewest == most else f"at least {fewest}"
-            raise self.file.fault(said.line, f"'{said.tag}' has {len(inside)} arguments; expected {expected}")
+            raise said.fault(f"'{said.tag}' has {len(inside)} arguments; expected {expected}")
         return [self.value(one) for one in inside]
 
     def _cumulative_hazard(self, said: Element) -> float | None:
@@ -153,12 +168,12 @@ class Expressions:
         elif said.tag == "Weibull":
             scale, shape, start, time = self._arguments(said, 4, 4)
             if not (scale > 0 and shape > 0):
-                raise self.file.fault(said.line, f"Weibull of scale {scale:g}, shape {shape:g}; expected above zero")
+                raise said.fault(f"Weibull of scale {scale:g}, shape {shape:g}; expected above zero")
             hazard = self._guarded(said, math.pow, [max(time - start, 0.0) / scale, shape])
         else:
             return None
         if not hazard >= 0:
-            raise self.file.fault(said.line, f"'{said.tag}' of a negative rate or time")
+            raise said.fault(f"'{said.tag}' of a negative rate or time")
         return hazard
 
     def _guarded(self, said: Element, function: Callable[..., float], arguments: list[float]) -> float:
@@ -167,10 +182,16 @@ class Expressions:
         except (ArithmeticError, ValueError):
             value = math.nan
         if not math.isfinite(value):
-            raise self.file.fault(
-                said.line, f"'{said.tag}' of {', '.join(f'{x:g}' for x in arguments)} is not a number"
-            )
+            raise said.fault(f"'{said.tag}' of {', '.join(f'{x:g}' for x in arguments)} is not a number")
         return value
+
+
+def _tested(rate: float, every: float, first: float, time: float) -> float:
+    """The probability of what fails at a rate and is as new after each test, the first at a time, then every so often
+    (MEF 2.0d, section 4.3.2); at the moment of a test, that right before it.
+    """
+    since = time if time <= first else (time - first) % every or every
+    return -math.expm1(-rate * since)
 
 
 def _glm(gamma: float, rate: float, repair: float, time: float) -> float:
