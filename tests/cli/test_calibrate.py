@@ -12,6 +12,9 @@ from robophm.calibration.predictions import LEVELS
 from robophm.cli import BREACHED, INVALID, OK, USAGE
 from robophm.simulation.fleet import simulate
 
+from ..web.conftest import SMALL
+from ..web.test_honesty import RATE, fill
+
 FLEET = Path(__file__).resolve().parents[2] / "examples" / "fleet" / "robot.yaml"
 
 COLUMNS = ["robot", "kind", "time", "probability", "failure", "outcome", *(f"q{level:g}" for level in LEVELS),
@@ -200,3 +203,25 @@ def test_a_model_named_in_terminal_codes_is_refused(inside, history):
     done = inside("calibrate", "predictions.csv")
     assert (done.returncode, done.stdout) == (INVALID, "")
     assert "line 2, column 19 (model): '\\x1b[31mred' has control characters" in done.stderr
+
+
+@pytest.mark.parametrize(("rate", "code"), [(RATE, OK), (RATE / 20, BREACHED)])
+def test_whether_a_robot_failed_as_often_as_it_promised(inside, tmp_path, rate, code):
+    """Fifty days at a constant rate: 1200 h of it in all, 720 h in the last thirty days, less the hours of repair."""
+    (tmp_path / "courier.yaml").write_text(SMALL)
+    fill(tmp_path / "courier.yaml", tmp_path / "past.db", rate)
+    done = inside("calibrate", "courier.yaml", "--store", "past.db", "--json")
+    assert done.returncode == code, done.stderr
+    month, whole = (said := json.loads(done.stdout))["spans"]
+    assert (month["noted"], whole["noted"], said["of_others"]) == (1, 4, 1)
+    assert month["promised"] == pytest.approx(720 * rate, rel=0.02)
+    assert whole["promised"] == pytest.approx(1200 * rate, rel=0.02)
+    done = inside("calibrate", "courier.yaml", "--store", "past.db")
+    assert done.returncode == code
+    assert ("does not hold" in done.stdout) == (code == BREACHED)
+    assert "Not counted: 1 of parts" in done.stdout
+    done = inside("calibrate", "courier.yaml")
+    assert (done.returncode, done.stderr) == (
+        INVALID,
+        "error: courier.yaml: is a design; expected its past too: --store\n",
+    )

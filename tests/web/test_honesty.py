@@ -21,7 +21,7 @@ RATE = 1 / 400
 """Failures an hour that its reports promise."""
 
 
-def fill(design: Path, path: Path) -> None:
+def fill(design: Path, path: Path, rate: float = RATE) -> None:
     """Keep 50 days in which the encoder failed four times, on one day of the last 30 and three before; a camera too."""
     robot = load(design)
     monitor = Monitor(robot)
@@ -32,7 +32,7 @@ def fill(design: Path, path: Path) -> None:
     gone, reports = 0.0, []
     for hour in range(24 * DAYS + 1):
         at = BEGIN + hour * HOUR
-        gone = 0.0 if any(at - HOUR < one <= at for one in served) else gone + RATE
+        gone = 0.0 if any(at - HOUR < one <= at for one in served) else gone + rate
         figures = {**whole["sensor_based"], "unreliability": -math.expm1(-gone)}
         reports.append({**report, "time": at, "subjects": [{**whole, "sensor_based": figures}, *rest]})
     none = (0.0, 0.0, 0.0)

@@ -9,17 +9,22 @@ import typer
 from rich.console import Console
 
 from robophm.calibration.fleet import CONTROLS, OURS, files, predict_fleet
+from robophm.calibration.honest_past import honest_past
 from robophm.calibration.lives import LifeScore, Prognosis
 from robophm.calibration.predictions import Predictions, read_predictions
 from robophm.calibration.score import Calibration, score
 from robophm.calibration.tasks import TaskScore
 from robophm.cli import BREACHED
-from robophm.cli.shared.options import Json
+from robophm.cli.shared.options import Json, stated_store
 from robophm.cli.shared.output import console, may_write, print_json, print_table, progress_console, table, write
 from robophm.cli.shared.progress import counted
 from robophm.cli.shared.unused import refuse_unused
+from robophm.core.errors import RobophmError
+from robophm.design.file import load
+from robophm.health.plant import Plant
+from robophm.monitoring.stored_past import stored_past
 from robophm.report.calibration_page import calibration_page
-from robophm.report.words import duration_text, number_text
+from robophm.report.words import duration_text, moment_text, number_text
 
 TASKS = ("model", "tasks", "failed", "expected", "Brier", "reliability", "resolution", "log. score", "p")
 LIVES = ("model", "lives", "censored", "in 50 %", "in 80 %", "in 95 %", "CRPS", "p")
@@ -70,9 +75,14 @@ def command(
     predictions: Annotated[
         Path,
         typer.Argument(
-            help="what was predicted and what happened, or a fleet's folder", metavar="PREDICTIONS.CSV|FLEET"
+            help="what was predicted and what happened, a fleet's folder, or a robot's design with --store",
+            metavar="PREDICTIONS.CSV|FLEET|ROBOT.YAML",
         ),
     ],
+    store: Annotated[
+        str | None,
+        typer.Option(help="of a robot: its past, as kept by replay or watch", callback=stated_store),
+    ] = None,
     report: Annotated[Path | None, typer.Option(help="write a page about it, HTML")] = None,
     controls: Annotated[
         bool, typer.Option("--controls", help="of a fleet: also models that are wrong, which must be found out")
@@ -81,6 +91,12 @@ def command(
     as_json: Json = False,
 ) -> None:
     """Say whether predictions were honest."""
+    if store is not None:
+        refuse_unused("a robot's past", ("predictions", "store"))
+        _of_past(predictions, store, as_json=as_json)
+        return
+    if predictions.suffix in (".yaml", ".yml"):
+        raise RobophmError(f"{predictions}: is a design; expected its past too: --store")
     if predictions.is_dir():
         may_write(report, *files(predictions))
         said = of_fleet(predictions, controls=controls, jobs=jobs)
@@ -98,4 +114,31 @@ def command(
         if report:
             console().print(f"Report: {report}", markup=False)
     if calibration.rejected:
+        raise typer.Exit(BREACHED)
+
+
+def _of_past(design: Path, store: str, *, as_json: bool) -> None:
+    """Say whether a robot failed as often as its kept figures promised; leave with BREACHED where that is refuted."""
+    robot = load(design)
+    with stored_past(store, robot) as (kept, ledger):
+        found = honest_past(Plant(robot), kept.history(robot.identity), ledger)
+    if as_json:
+        spans = [one.to_json() for one in found.spans]
+        print_json({"schema_version": 1, "robot": robot.name, "spans": spans, "of_others": found.of_others})
+    else:
+        out = console()
+        for one in found.spans:
+            designed = "" if one.designed is None else f" (as designed {number_text(one.designed, 2)})"
+            out.print(
+                f"{robot.name}, since {moment_text(one.since)}: {one.counted.says}{designed}",
+                style="bold red" if one.rejected else None, markup=False, soft_wrap=True,
+            )  # fmt: skip
+        if not found.spans:
+            out.print(
+                f"{robot.name}: not to be told; expected two reports at least, no part of unknown rate, and figures "
+                "that were not revised meanwhile", markup=False, soft_wrap=True,
+            )  # fmt: skip
+        if found.of_others:
+            out.print(f"Not counted: {found.of_others} of parts without which it goes on", markup=False)
+    if any(one.rejected for one in found.spans):
         raise typer.Exit(BREACHED)

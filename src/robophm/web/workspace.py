@@ -27,6 +27,7 @@ from robophm.core.yaml_nodes import uncollected
 from robophm.core.yaml_values import MAX_BYTES
 from robophm.design.carried_edits import carry
 from robophm.design.editing import put, value_at
+from robophm.design.entry_edit import same, with_entries
 from robophm.design.file import read, write_text
 from robophm.design.located_error import LocatedError
 from robophm.design.naming import design_name, quoted
@@ -223,14 +224,21 @@ class Workspace:
             state = self._here()[0]
             cached = self._document if self._document and self._document[0] == state else None
             self._document = None
-            document = cached[1] if cached else load(self._text(state))
+            before = self._text(state)
+            document = cached[1] if cached else load(before)
             change(document)
-            text = dump(document)
+            text = self._with_entries(before, document) or dump(document)
             if len(text.encode()) > MAX_BYTES:
                 raise LocatedError((), f"the design would be more than {MAX_BYTES / 1e6:.0f} MB")
             if keep:
                 self._document = -1, document  # of the state that is about to be
             return text
+
+    def _with_entries(self, text: str, document: Any) -> str | None:
+        """The text with those of its entries that a document has otherwise; None where that takes writing all anew."""
+        before = self.checked.of(text)
+        found = with_entries(text, before.lines, before.document, document, dump) if before.document else None
+        return found if found is not None and same(self.checked.of(found).document, document) else None
 
     def replace(self, revision: int, text: str, what: str) -> Draft:
         """Put a whole text in place of the design. Raises StaleError; LocatedError where it is not even YAML."""

@@ -108,8 +108,8 @@ export default function Design(): ReactNode {
 
   return (
     <div className={asText ? "design as-text" : "design"} onKeyDown={keys}>
+      <h1 className="hidden">Design</h1>
       <section className="side" aria-label="Parts of the robot">
-        <h1 className="hidden">Design</h1>
         <div className="row tools">
           <OnlyFor role="editor">
             <button onClick={() => part && void add("module", part)}>Add module</button>

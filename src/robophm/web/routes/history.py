@@ -7,9 +7,8 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, HTTPException, Query
 from pydantic import Field
 
-from robophm.calibration.promised_failures import CountedFailures, promised_failures
+from robophm.calibration.honest_past import honest_past
 from robophm.core.signal import DAY, HOUR, SECOND
-from robophm.health.service import failures
 from robophm.stores.figures import FIGURES, Array
 from robophm.stores.store import POINTS
 from robophm.stores.trend import trend
@@ -200,33 +199,21 @@ def get_trends(service: Served) -> Trends:
 def get_honesty(service: Served) -> Honesty:
     """How many failures the figures promised, over the last 30 days and over all that is known, and how many came."""
     prepared = service.prepared()
-    found = Honesty(spans=[], of_others=0)
-    if prepared.unknown.get(""):
-        return found
     with service.monitoring.history() as store:
-        history = store.history(prepared.robot.identity) if store else None
-        if history is None or (newest := history.report_at(2**62)) is None:
-            return found
-        last = newest["time"] + 1
-        stretches = [history.figures(start, last, MOST_POINTS) for start in (last - 30 * DAY, None)]
-    ledger = service.monitoring.last_ledger(prepared.robot)
-    parts = {mode.key: part.path for part in prepared.robot.all_components() for mode in part.modes}
-    failed = {(one.time, parts.get(one.mode, "")) for one in failures(ledger)}
-    alone = [at for at, part in failed if part in prepared.single_points]
-    for series in stretches:
-        promised = promised_failures(series, [one.time for one in ledger.services], "sensor_based")
-        if promised is None:
-            continue
-        begin = int(series.times[0])
-        counted = CountedFailures(promised, sum(begin <= at < last for at in alone))
-        found.spans.append(
+        if store is None:
+            return Honesty(spans=[], of_others=0)
+        ledger = service.monitoring.last_ledger(prepared.robot)
+        found = honest_past(prepared.plant, store.history(prepared.robot.identity), ledger)
+    return Honesty(
+        spans=[
             HonestyOfSpan(
-                since=begin / SECOND, until=newest["time"] / SECOND, promised=promised, noted=counted.noted,
-                chance=counted.chance, says=counted.says,
-                designed=promised_failures(series, [one.time for one in ledger.services], "nominal"),
+                since=one.since / SECOND, until=one.until / SECOND, promised=one.counted.promised,
+                noted=one.counted.noted, chance=one.counted.chance, says=one.counted.says, designed=one.designed,
             )
-        )  # fmt: skip
-    return found.model_copy(update={"of_others": len(failed) - len(alone)})
+            for one in found.spans
+        ],
+        of_others=found.of_others,
+    )  # fmt: skip
 
 
 @router.get("/report", responses={404: {"description": "No report is kept"}})
