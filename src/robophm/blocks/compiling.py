@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -22,12 +23,13 @@ class Compiled(NamedTuple):
     function: list[int]
 
 
-def compiled(variables: int, gates: Sequence[Gate], limit: int) -> Compiled:
+def compiled(variables: int, gates: Sequence[Gate], limit: int, until: float = math.inf) -> Compiled:
     """Compile gates in topological order; ``k`` as of graph.Gate, inputs below ``variables`` are the variables.
 
     Every order that there is a rule for may take a small share of the limit, then a larger one; the first that
     comes through is taken. All of the limit is for the one that came furthest, unless it is not to come through: with
-    six times the steps it makes as many times the gates as it did the last time. Raises StructureError beyond it.
+    six times the steps it makes as many times the gates as it did the last time. Raises TooLargeError beyond it, and
+    once ``time.perf_counter()`` is at ``until``.
     """
     tried: list[list[int]] = []
     furthest: list[int] = []  # gates that were made, by share
@@ -37,18 +39,18 @@ def compiled(variables: int, gates: Sequence[Gate], limit: int) -> Compiled:
             if not furthest:
                 tried.append(order)
             try:
-                return _compiled(variables, gates, order, limit // share)
+                return _compiled(variables, gates, order, limit // share, until)
             except TooLargeError as error:
                 come.append(error.gates)
         furthest.append(max(come))
     before, after = furthest
     if after * after < before * len(gates):
         raise too_large(limit)
-    return _compiled(variables, gates, tried[come.index(after)], limit)
+    return _compiled(variables, gates, tried[come.index(after)], limit, until)
 
 
-def _compiled(variables: int, gates: Sequence[Gate], order: list[int], limit: int) -> Compiled:
-    table = Table(variables, limit)
+def _compiled(variables: int, gates: Sequence[Gate], order: list[int], limit: int, until: float) -> Compiled:
+    table = Table(variables, limit, until)
     function = [0] * variables
     for level, x in enumerate(order):
         function[x] = table.node(level, TRUE, FALSE)

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Iterator
+import time
+from collections.abc import Iterator, Sequence
 from itertools import count
 from typing import Any, NamedTuple, TypeVar
 
@@ -18,8 +19,8 @@ from numpy.typing import ArrayLike
 from robophm.blocks.diagram import Block
 from robophm.blocks.fault_tree import FaultTree
 from robophm.blocks.graph import Gate, graph
-from robophm.blocks.modular import Part, below
-from robophm.blocks.nodes import FALSE, TRUE, Table, too_large
+from robophm.blocks.modular import LIMIT, Part
+from robophm.blocks.nodes import FALSE, TRUE, Table, below, too_large
 from robophm.core.errors import StructureError
 
 MOST_PENDING = 1_000_000
@@ -30,8 +31,6 @@ _Number = TypeVar("_Number", int, float)
 
 _Cost = tuple[int, int]
 """Cost of a set or a part of one: its units where they are what counts, else 0; and −log of its probability, in 1e-12.
-Whole numbers, so that what is alike stays alike in whatever order it is added up.
-
 Whole numbers, so that what is alike stays alike in whatever order it is added up.
 """
 
@@ -58,14 +57,33 @@ class MinimalSet(NamedTuple):
 class MinimalSets:
     """The minimal sets of events that bring about the top of a coherent fault tree.
 
-    Raises StructureError for a tree with "not" or "xor", and where there are too many to solve exactly.
+    Raises StructureError for a tree with "not" or "xor", and where there are too many to solve exactly, or until then
+    (``time.perf_counter()``).
     """
 
-    def __init__(self, tree: FaultTree) -> None:
+    def __init__(self, tree: FaultTree, until: float = math.inf) -> None:
         tree.must_be_coherent("has prime implicants in place of minimal cut sets, which are not listed")
         self.names = tree.names
-        self._modular = tree.modular
-        self._parts = [_minimal(part, tree.limit) for part in self._modular.parts]
+        self._events = tree.modular.events
+        self._parts = [_minimal(part, tree.limit, until) for part in tree.modular.parts]
+
+    @classmethod
+    def likely(
+        cls, tree: FaultTree, parts: Sequence[Part], probability: ArrayLike, share: float, until: float = math.inf
+    ) -> MinimalSets:
+        """Return the sets of a tree solved as ``parts``, without those of a module that are too unlikely.
+
+        All are in it whose part in each module is at least ``share`` as likely as the module, and some others.
+        Raises StructureError where these are too many too.
+        """
+        found = cls.__new__(cls)
+        found.names, found._events, found._parts = tree.names, len(tree.names), []
+        p = list(found._probabilities(probability))
+        for part in parts:
+            chance = _chances(part, p)
+            found._parts.append(_minimal(part, LIMIT, until, p, share * chance[part.root]))
+            p.append(chance[part.root])
+        return found
 
     @classmethod
     def cuts(cls, diagram: Block) -> MinimalSets:
@@ -80,11 +98,11 @@ class MinimalSets:
 
     def count(self) -> int:
         """Return the number of all minimal sets."""
-        return self._summed([1] * self._modular.events)
+        return self._summed([1] * self._events)
 
     def count_by_order(self, most: int) -> list[int]:
         """Return the numbers of minimal sets of 1, 2, … ``most`` units."""
-        counts: list[list[int]] = [[0, 1]] * self._modular.events  # of 0, 1, … units
+        counts: list[list[int]] = [[0, 1]] * self._events  # of 0, 1, … units
         for part in self._parts:
             of: dict[int, list[int]] = {FALSE: [], TRUE: [1]}
             for g in part.nodes:
@@ -159,11 +177,11 @@ class MinimalSets:
             part, of = self._parts[number], at[number]
             row, high, low = part.rows[part.table.level[g]], part.table.high[g], part.table.low[g]
             ways = [(spent, chosen, _Goal(number, low, rest, owed), of[low], owed)] if low != FALSE else []
-            if row < self._modular.events:
+            if row < self._events:
                 paid = (spent[0] + cost[row][0], spent[1] + cost[row][1])
                 ways.append((paid, (*chosen, row), _Goal(number, high, rest, owed), of[high], owed))
             else:
-                inner = row - self._modular.events
+                inner = row - self._events
                 then = (owed[0] + of[high][0], owed[1] + of[high][1])
                 root = self._parts[inner].root
                 ways.append(
@@ -179,26 +197,58 @@ class MinimalSets:
                 )
 
 
-def _minimal(part: Part, limit: int) -> Part:
-    """A part whose diagram holds the minimal sets: a node's sets are those with its variable, and those without."""
-    function, table = part.table, Table(len(part.rows), limit)
+def _chances(part: Part, p: Sequence[float]) -> dict[int, float]:
+    """The probability of each node of a part, from those of the rows."""
+    chance = {FALSE: 0.0, TRUE: 1.0}
+    for g in part.nodes:
+        x = p[part.rows[part.table.level[g]]]
+        chance[g] = x * chance[part.table.high[g]] + (1 - x) * chance[part.table.low[g]]
+    return chance
 
-    def node(x: int, high: int, low: int) -> int:
-        if high == FALSE:
-            return low
-        return table.family(x, high, low)
 
-    without: dict[tuple[int, int], int] = {}
+def _minimal(part: Part, limit: int, until: float = math.inf, p: Sequence[float] = (), least: float = 0.0) -> Part:
+    """A part whose diagram holds the minimal sets: a node's sets are those with its variable, and those without.
 
-    def known(family: int, g: int) -> int | None:
+    With ``p`` of the rows, sets that can only become less likely than ``least`` are left out. Raises TooLargeError
+    beyond ``limit`` steps, and once ``time.perf_counter()`` is at ``until``.
+    """
+    function = part.table
+    sets = _Families(Table(len(part.rows), limit), function, limit, until)
+    unlikely = _Unlikely(part, p, least) if least else None
+    minimal = {FALSE: FALSE, TRUE: TRUE}
+    for g in part.nodes:
+        if unlikely and unlikely.all_of(g):
+            minimal[g] = FALSE
+            continue
+        low = minimal[function.low[g]]
+        minimal[g] = sets.node(function.level[g], sets.remove(minimal[function.high[g]], function.low[g]), low)
+        if unlikely:
+            minimal[g] = unlikely.removed(sets, minimal[g], g)
+    root = minimal[part.root]
+    return Part(part.rows, sets.table, root, below(sets.table, root))
+
+
+class _Families:
+    """Families of sets as nodes of a table: those with a node's variable, and those without."""
+
+    def __init__(self, table: Table, function: Table, limit: int, until: float) -> None:
+        self.table, self._function, self._limit, self._until = table, function, limit, until
+        self._without: dict[tuple[int, int], int] = {}
+
+    def node(self, x: int, high: int, low: int) -> int:
+        return low if high == FALSE else self.table.family(x, high, low)
+
+    def _known(self, family: int, g: int) -> int | None:
         """The sets of a family that do not make a node true, where that is plain or found already."""
         if family == FALSE or g == TRUE:
             return FALSE
         if g == FALSE or family == TRUE:
             return family
-        return without.get((family, g))
+        return self._without.get((family, g))
 
-    def remove(family: int, g: int) -> int:
+    def remove(self, family: int, g: int) -> int:
+        """Return a family without the sets that make a node of the function true."""
+        table, function, known = self.table, self._function, self._known
         todo = [(family, g)]
         while todo:
             pair = s, f = todo[-1]
@@ -217,16 +267,54 @@ def _minimal(part: Part, limit: int) -> Part:
                 todo += [one for one, result in zip(pairs, results, strict=True) if result is None]
                 continue
             found = [result for result in results if result is not None]
-            without[pair] = found[0] if x > y else node(x, found[0], found[1])
+            self._without[pair] = found[0] if x > y else self.node(x, found[0], found[1])
             todo.pop()
-            if len(without) > limit:
-                raise too_large(limit)
+            if len(self._without) > self._limit or time.perf_counter() > self._until:
+                raise too_large(self._limit)
         result = known(family, g)
         return FALSE if result is None else result
 
-    minimal = {FALSE: FALSE, TRUE: TRUE}
-    for g in part.nodes:
-        low = minimal[function.low[g]]
-        minimal[g] = node(function.level[g], remove(minimal[function.high[g]], function.low[g]), low)
-    root = minimal[part.root]
-    return Part(part.rows, table, root, below(table, root))
+
+class _Unlikely:
+    """Sets of a part that are less likely than ``least``, whatever else is in them."""
+
+    def __init__(self, part: Part, p: Sequence[float], least: float) -> None:
+        self._least = least
+        self._p = [p[row] for row in part.rows]
+        self._before = _likeliest_before(part.table, part.root, part.nodes, self._p)
+        self._ahead = {FALSE: 0.0, TRUE: 1.0}
+        for g in part.nodes:
+            with_it = self._p[part.table.level[g]] * self._ahead[part.table.high[g]]
+            self._ahead[g] = max(with_it, self._ahead[part.table.low[g]])
+        self._of_family = {FALSE: 0.0, TRUE: 1.0}
+
+    def all_of(self, g: int) -> bool:
+        """Whether all sets are, whose way leads over a node of the function."""
+        return self._before[g] * self._ahead[g] < self._least
+
+    def removed(self, sets: _Families, family: int, g: int) -> int:
+        """Return the family of a node of the function without such sets."""
+        table = sets.table
+        nodes = below(table, family)
+        for one in nodes:
+            if one not in self._of_family:
+                with_it = self._p[table.level[one]] * self._of_family[table.high[one]]
+                self._of_family[one] = max(with_it, self._of_family[table.low[one]])
+        before = _likeliest_before(table, family, nodes, self._p)
+        new = {FALSE: FALSE, TRUE: TRUE}
+        for one in nodes:
+            chosen = self._before[g] * before[one] * self._p[table.level[one]] * self._of_family[table.high[one]]
+            high = new[table.high[one]] if chosen >= self._least else FALSE
+            new[one] = sets.node(table.level[one], high, new[table.low[one]])
+        return new[family]
+
+
+def _likeliest_before(table: Table, root: int, nodes: Sequence[int], p: Sequence[float]) -> dict[int, float]:
+    """The probability of the likeliest choice of events that leads from a root to each node."""
+    best = dict.fromkeys((FALSE, TRUE, root, *nodes), 0.0)
+    best[root] = 1.0
+    for g in reversed(nodes):
+        high, low = table.high[g], table.low[g]
+        best[high] = max(best[high], best[g] * p[table.level[g]])
+        best[low] = max(best[low], best[g])
+    return best

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,7 @@ from robophm.blocks.decision_diagram import numbers
 from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit
 from robophm.blocks.graph import ALL, ANY, NOT, ODD, UNIT, Gate, graph
 from robophm.blocks.modular import LIMIT, Modular
+from robophm.blocks.nodes import too_large
 from robophm.core.errors import StructureError
 
 Array = NDArray[np.float64]
@@ -29,6 +30,7 @@ class FaultTree:
         self.names = tuple(names)
         self.gates = tuple(gates)
         self.limit = limit
+        self._solved: Modular | None = None
         if sum(gate.k == UNIT for gate in gates) != len(self.names):
             raise StructureError(f"fault tree: {len(self.names)} names of {sum(g.k == UNIT for g in gates)} events")
 
@@ -64,10 +66,21 @@ class FaultTree:
         if not self.coherent:
             raise StructureError(f"fault tree: it has 'not' or 'xor' gates, so that it {otherwise}")
 
-    @cached_property
+    def solved(self, until: float = math.inf) -> Modular:
+        """Return the tree solved by modules as far as it goes, once and for all.
+
+        What is not begun when ``time.perf_counter()`` is at ``until`` stays unsolved.
+        """
+        if self._solved is None:
+            self._solved = Modular(self.gates, self.limit, until)
+        return self._solved
+
+    @property
     def modular(self) -> Modular:
         """Return the tree solved by modules. Raises StructureError where it is too large to solve exactly."""
-        return Modular(self.gates, self.limit)
+        if self.solved().unsolved:
+            raise too_large(self.limit)
+        return self.solved()
 
     def probability(self, occurred: ArrayLike, not_yet: ArrayLike | None = None) -> Array:
         """Return P(top event), shape (...), from ``occurred`` and ``not_yet`` = 1 − ``occurred``, shape (events, ...).

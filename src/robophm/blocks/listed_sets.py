@@ -28,7 +28,10 @@ class ListedSets:
     neglected: float
     """Sum of the probabilities of those that are not among ``sets``."""
     whole: float
-    """P(the system has failed) of cut sets, P(it works) of path sets."""
+    """P(the system has failed) of cut sets, P(it works) of path sets; not a number where it is only bounded."""
+    cut_off: float = 0.0
+    """The share of its module's probability below which a set may be missing here; 0 where none is, infinite where
+    likelier ones than those found may be missing too."""
 
     def share(self, one: MinimalSet) -> float:
         """Return P(all of a set have failed, or work) over that of the system; NaN where the system's is 0."""
@@ -36,12 +39,12 @@ class ListedSets:
 
 
 def list_sets(
-    sets: MinimalSets, probability: ArrayLike, whole: float, most: int, order: int | None = None
+    sets: MinimalSets, probability: ArrayLike, whole: float, most: int, order: int | None = None, cut_off: float = 0.0
 ) -> ListedSets:
     """Return the ``most`` likeliest sets; with an ``order`` the smallest, of at most so many parts, likeliest first.
 
-    ``probability`` is that of each event, shape (events,), ``whole`` that of the system. Raises StructureError where
-    too many sets are alike in what they are sorted by.
+    ``probability`` is that of each event, shape (events,), ``whole`` that of the system, ``cut_off`` that of ``sets``.
+    Raises StructureError where too many sets are alike in what they are sorted by.
     """
     if order is None:
         found = sets.likeliest(probability)
@@ -49,4 +52,4 @@ def list_sets(
         found = takewhile(lambda one: len(one.names) <= order, sets.smallest(probability))
     some, count, mass = tuple(islice(found, most)), sets.count(), sets.mass(probability)
     rest = max(mass - math.fsum(one.probability for one in some), 0.0) if len(some) < count else 0.0
-    return ListedSets(count, tuple(sets.count_by_order(ORDERS)), mass, some, rest, whole)
+    return ListedSets(count, tuple(sets.count_by_order(ORDERS)), mass, some, rest, whole, cut_off)

@@ -5,6 +5,7 @@ Dutuit and Rauzy, "A linear-time algorithm to find modules of fault trees", IEEE
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import groupby
 from typing import NamedTuple
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 
 from robophm.blocks.compiling import compiled
 from robophm.blocks.graph import Gate, modules
-from robophm.blocks.nodes import FALSE, TRUE, Table
+from robophm.blocks.nodes import FALSE, TRUE, Table, TooLargeError, below
 from robophm.blocks.reduction import reduced
 
 Array = NDArray[np.float64]
@@ -37,27 +38,37 @@ class Part(NamedTuple):
     """Nodes below the root, the deepest first, without the leaves."""
 
 
-class Modular:
-    """Gates of ``graph.Gate``, whose last is the top, solved. Raises StructureError beyond ``limit`` steps of a module.
+class Unsolved(NamedTuple):
+    """A module whose decision diagram is too large: its gates over the ``rows``, as of ``compiling.compiled``."""
 
-    Rows 0 … ``events`` − 1 are the units in their order, row ``events`` + i is part i, and the last is the top.
+    rows: list[int]
+    gates: list[tuple[int, list[int]]]
+
+
+class Modular:
+    """Gates of ``graph.Gate``, whose last is the top, solved as far as ``limit`` steps for each module go.
+
+    None is begun after ``time.perf_counter()`` is at ``until``. Rows 0 … ``events`` − 1 are the units in their order,
+    row ``events`` + i is part i, and the last is the top.
     """
 
-    def __init__(self, gates: Sequence[Gate], limit: int = LIMIT) -> None:
+    def __init__(self, gates: Sequence[Gate], limit: int = LIMIT, until: float = math.inf) -> None:
         net = reduced(gates)
         self.events = sum(not gate.inputs for gate in net)
         self.parts: list[Part] = []
+        """The modules; in the place of one that is too large stands one that is never true."""
+        self.unsolved: dict[int, Unsolved] = {}
+        """Modules that are too large, by their places among the parts."""
         module = modules(net)
         row = {node: node for node in range(self.events)}
         for node in range(self.events, len(net)):
             if module[node]:
-                self.parts.append(self._part(net, node, row, limit))
+                self._add(net, node, row, limit, until)
                 row[node] = self.events + len(self.parts) - 1
         self.size = sum(len(part.nodes) for part in self.parts)
         """Number of nodes of all parts."""
 
-    @staticmethod
-    def _part(net: Sequence[Gate], top: int, row: dict[int, int], limit: int) -> Part:
+    def _add(self, net: Sequence[Gate], top: int, row: dict[int, int], limit: int, until: float) -> None:
         variables: dict[int, None] = {}
         inside: set[int] = set()
         todo = [top]
@@ -70,9 +81,14 @@ class Modular:
                 todo += reversed(net[node].inputs)
         place = {node: i for i, node in enumerate([*variables, *sorted(inside)])}
         gates = [(net[node].k, [place[i] for i in net[node].inputs]) for node in sorted(inside)]
-        table, order, function = compiled(len(variables), gates, limit)
         rows = [row[node] for node in variables]
-        return Part([rows[x] for x in order], table, function[-1], below(table, function[-1]))
+        try:
+            table, order, function = compiled(len(variables), gates, limit, until)
+        except TooLargeError:
+            self.unsolved[len(self.parts)] = Unsolved(rows, gates)
+            self.parts.append(Part(rows, Table(len(rows), 0), FALSE, []))
+        else:
+            self.parts.append(Part([rows[x] for x in order], table, function[-1], below(table, function[-1])))
 
     def probability(self, true: Array, false: Array) -> tuple[Array, Array]:
         """Return P(top) and P(not top) from those of the events, shape (events, columns); every term is positive."""
@@ -100,15 +116,3 @@ class Modular:
             p.append(yes[number[part.root]])
             q.append(no[number[part.root]])
         return p[-1], q[-1]
-
-
-def below(table: Table, root: int) -> list[int]:
-    """Return the nodes below a root and itself, the deepest first, without the leaves."""
-    found: set[int] = set()
-    todo = [root]
-    while todo:
-        g = todo.pop()
-        if g > TRUE and g not in found:
-            found.add(g)
-            todo += table.split(g)
-    return sorted(found, key=lambda g: (-table.level[g], g))

@@ -5,6 +5,8 @@ Bryant, "Graph-based algorithms for Boolean function manipulation", IEEE Trans. 
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Sequence
 
 from robophm.blocks.graph import ALL, NOT, ODD
@@ -12,6 +14,9 @@ from robophm.core.errors import StructureError
 
 FALSE, TRUE = 0, 1
 """The two leaves of every diagram."""
+
+_OFTEN = 50_000
+"""Steps, about a fifth of a second, after which it is looked whether there is time left."""
 
 _WORD = 32
 _MASK = (1 << _WORD) - 1
@@ -22,13 +27,14 @@ class Table:
 
     No two nodes are alike.
 
-    Raises StructureError once ``limit`` steps are taken.
+    Raises TooLargeError once ``limit`` steps are taken, or ``time.perf_counter()`` is at ``until``.
     """
 
-    def __init__(self, variables: int, limit: int) -> None:
+    def __init__(self, variables: int, limit: int, until: float = math.inf) -> None:
         self.level = [variables, variables]  # the leaves lie below every variable
         self.high, self.low = [FALSE, TRUE], [FALSE, TRUE]
-        self._limit = limit
+        self._limit, self._until = limit, until
+        self._look = min(limit, _OFTEN)  # results of one kind at which it is looked again
         self._node: dict[tuple[int, int, int], int] = {}
         self._both: dict[int, int] = {}
         self._either: dict[int, int] = {}
@@ -138,7 +144,7 @@ class Table:
                 todo.append(~one)
             if zero < 0:
                 todo.append(~zero)
-            if len(memo) > self._limit:
+            if len(memo) > self._look:
                 self._check()
         self._check()
         return memo[~top]
@@ -177,7 +183,7 @@ class Table:
                 missing = [part for part in ((f1, g1, h1), (f0, g0, h0)) if part not in done]
                 if missing:
                     todo += missing
-                    if len(done) > self._limit:
+                    if len(done) > self._look:
                         self._check()
                     continue
                 done[choice] = self.node(x, done[f1, g1, h1], done[f0, g0, h0])
@@ -186,8 +192,11 @@ class Table:
         return done[f, g, h] if (f, g, h) in done else done[choice]
 
     def _check(self) -> None:
-        if self.steps() > self._limit:
+        if self.steps() > self._limit or time.perf_counter() > self._until:
             raise too_large(self._limit)
+        largest = max(len(self._both), len(self._either), len(self._choice), len(self._opposite))
+        if largest >= self._look:
+            self._look = min(self._limit, largest + _OFTEN)
 
 
 class TooLargeError(StructureError):
@@ -202,3 +211,15 @@ def too_large(limit: int) -> TooLargeError:
         f"shared parts: too many to solve exactly, their decision diagram exceeds {limit:,} steps; "
         "expected fewer parts that are drawn in several places, or an estimate by simulation"
     )
+
+
+def below(table: Table, root: int) -> list[int]:
+    """Return the nodes below a root and itself, the deepest first, without the leaves."""
+    found: set[int] = set()
+    todo = [root]
+    while todo:
+        g = todo.pop()
+        if g > TRUE and g not in found:
+            found.add(g)
+            todo += table.split(g)
+    return sorted(found, key=lambda g: (-table.level[g], g))

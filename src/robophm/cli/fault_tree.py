@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from robophm.cli.shared.fault_trees import System, of_model, of_robot, print_sets, sets_json
+from robophm.cli.shared.fault_trees import System, answer_json, answer_text, of_model, of_robot, print_sets, sets_json
 from robophm.cli.shared.options import ChanceSeed, Json, MostSets, Order, time_option
 from robophm.cli.shared.output import console, estimate_text, may_write, print_json, write
 from robophm.cli.shared.unused import refuse_unused
@@ -30,6 +30,9 @@ def command(
     order: Order = None,
     most: MostSets = 20,
     to: Annotated[Path | None, typer.Option(help="write the tree: as a model, .xml, or a design, .yaml")] = None,
+    limit: Annotated[
+        float, typer.Option(help="seconds after which proved bounds will do, where the tree is too large", min=0.1)
+    ] = 60.0,
     monte_carlo: Annotated[
         int | None, typer.Option(min=1, max=1_000_000_000, help="only estimate the probability, by so many samples")
     ] = None,
@@ -42,44 +45,44 @@ def command(
     if monte_carlo:
         estimated(system, monte_carlo, seed, as_json=as_json)
     else:
-        tree(system, order=order, most=most, to=to, as_json=as_json)
+        tree(system, order=order, most=most, to=to, limit=limit, as_json=as_json)
 
 
-def tree(system: System, *, order: int | None, most: int, to: Path | None, as_json: bool) -> None:
+def tree(
+    system: System, *, order: int | None, most: int, to: Path | None, limit: float, as_json: bool
+) -> None:  # fmt: skip
     """State the probability of the top event, list the cut sets of a coherent tree, and write it where wanted.
+
+    Where it is not solved exactly within ``limit`` seconds, it has proved bounds.
 
     What is written is a model in the Open-PSA format, or where its name ends as a design's does, a design.
     """
     if to and system.unknown:
         raise RobophmError(f"{to}: {system.unknown.words} would be written as never failing; expected a rate for each")
     text = _design(system, to) if to and is_design(to) else ""
-    event, solved = system.event, system.event.tree.modular
-    probability = event.probability
-    listed = event.cut_sets(most, order) if event.tree.coherent else None
+    event, answer = system.event, system.event.within(limit)
+    listed = answer.cut_sets(most, order) if event.tree.coherent else None
     if to:
         write(to, text or document(system.name, event.tree, event.occurred.tolist(), system.rates))
     size = {"basic_events": len(event.tree.names), "gates": len(event.tree.gates) - len(event.tree.names)}
     if as_json:
         print_json({
-            "top_event": system.name, "when": system.when, "probability": probability, **size,
-            "modules": len(solved.parts), "nodes": solved.size,
+            "top_event": system.name, "when": system.when, **answer_json(answer), **size,
+            "modules": answer.modules, "nodes": answer.nodes,
             "coherent": event.tree.coherent, "cut_sets": sets_json(listed) if listed else None,
             **system.json,
         })  # fmt: skip
         return
     out = console()
-    out.print(
-        f"{system.name}, {system.when}: occurs with {system.fails(f'{probability:.6g}')}", markup=False, soft_wrap=True
-    )
+    out.print(f"{system.name}, {system.when}: occurs with {system.fails(answer_text(answer))}", markup=False,
+              soft_wrap=True)  # fmt: skip
     system.print_unknown()
-    out.print(f"{size['basic_events']} basic events, {size['gates']} gates; solved as {len(solved.parts)} modules "
-              f"by {solved.size} nodes", markup=False)  # fmt: skip
+    out.print(f"{size['basic_events']} basic events, {size['gates']} gates; solved as {answer.modules} modules "
+              f"by {answer.nodes} nodes", markup=False)  # fmt: skip
     if listed:
         print_sets(listed, "cut")
     else:
-        out.print(
-            "It has 'not' or 'xor' gates: no minimal cut sets are listed, the probability is exact.", markup=False
-        )
+        out.print("It has 'not' or 'xor' gates: no minimal cut sets are listed.", markup=False)
     if to:
         out.print(f"Written: {to}", markup=False)
 
@@ -104,7 +107,7 @@ def system_of(source: Path, function: str | None, top: str | None, time: float |
     robot = is_design(source)
     path = "a robot, whose top event is of --function" if robot else "a model, whose top event is of --top"
     path += ", only estimated (--monte-carlo)" if by_chance else ""
-    given = ("monte_carlo", "seed") if by_chance else ("order", "most", "to")
+    given = ("monte_carlo", "seed") if by_chance else ("order", "most", "to", "limit")
     refuse_unused(path, ("time", "function" if robot else "top", *given))
     if robot:
         return of_robot(load(source), function, 1000.0 if time is None else time)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from robophm.blocks.diagram import units
@@ -26,10 +27,14 @@ _MOST_LISTED = 10
 
 def counted(listed: ListedSets, kind: str) -> str:
     """The number of sets in words: "30 minimal cut sets: 12 of 1, 18 of 2"."""
+    if math.isinf(listed.cut_off):
+        return f"{count_text(listed.count)} minimal {kind} sets were found, and there may be likelier ones"
     by_order = ", ".join(f"{count_text(n)} of {i}" for i, n in enumerate(listed.by_order, 1) if n)
     rest = listed.count - sum(listed.by_order)
     more = f", {count_text(rest)} of more than {ORDERS}" if rest and by_order else ""
-    return f"{count_text(listed.count)} minimal {kind} sets: {by_order or f'all of more than {ORDERS}'}{more}"
+    least = f"at least {listed.cut_off:g} times as likely as their module" if listed.cut_off else ""
+    some = f" {least}, with some of the less likely" if least else ""
+    return f"{count_text(listed.count)} minimal {kind} sets{some}: {by_order or f'all of more than {ORDERS}'}{more}"
 
 
 def left_out(listed: ListedSets) -> str:

@@ -67,8 +67,8 @@ class BoundedBodies:
         self._turn = asyncio.Lock()
         self._waiting, self._of_viewers = 0, 0
 
-    def of(self, scope: Scope, headers: Headers, receive: Receive, role: Role) -> BoundedBody:
-        """Return the body of a request of somebody in a role."""
+    def of(self, scope: Scope, headers: Headers, receive: Receive, role: Role = "editor") -> BoundedBody:
+        """Return the body of a request of somebody in a role, or of a program that may write."""
         json = "json" in headers.get("content-type", "").lower()
         return BoundedBody(self, receive, scope["path"], role, words=Words() if json else None)
 

@@ -77,6 +77,8 @@ class Settings:
     """Whether the store is this robot's alone, as one beside its design is: recordings that are played do not count."""
     notify: tuple[str, ...] = ()
     """Addresses that are told of alarms."""
+    for_fleet: bool = False
+    """Whether the robot's reports go into the outbox of its store, to be sent to a fleet."""
 
 
 class Service:
@@ -93,7 +95,9 @@ class Service:
         """SHA-256 fingerprint of the certificate; empty without TLS."""
         self.workspace.on_change = self.visitors.changes.design_changed
         self.notices = Notices(settings.notify)
-        self.monitoring = Monitoring(settings.store, settings.journal, own=settings.own_store, notices=self.notices)
+        self.monitoring = Monitoring(
+            settings.store, settings.journal, own=settings.own_store, notices=self.notices, for_fleet=settings.for_fleet
+        )
         self.jobs = Jobs()
         self.received = ReceivedFiles(settings.design.with_name(settings.design.name + ".files"), settings.recordings)
         """The files that were handed in for a draft of the robot, in a folder beside its design."""

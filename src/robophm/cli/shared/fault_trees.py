@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from robophm.blocks.listed_sets import ListedSets
-from robophm.blocks.top_event import TopEvent
+from robophm.blocks.top_event import Answer, TopEvent
 from robophm.cli.shared.output import console, print_table, table
 from robophm.core.errors import StructureError
 from robophm.core.json_values import plain
@@ -74,10 +74,31 @@ def of_model(path: Path, time: float | None, top: str | None) -> System:
     return System(model.name, when, event, model=model, source=path.name, time=time)
 
 
+def answer_text(answer: Answer) -> str:
+    """Return in words how likely a top event is, and what kind of answer that is."""
+    chance = answer.chance
+    if answer.exact:
+        return f"{chance.low:.6g} (exact)"
+    return (
+        f"between {chance.low:.6g} and {chance.high:.6g} (proved bounds {100 * chance.width:.2g} % apart; "
+        "too large to be solved exactly in this time)"
+    )
+
+
+def answer_json(answer: Answer) -> dict[str, Any]:
+    """Return for machines how likely a top event is; ``probability`` is null where only bounds are known."""
+    return {
+        "answer": "exact" if answer.exact else "proved bounds",
+        "probability": answer.chance.low if answer.exact else None,
+        "at_least": answer.chance.low,
+        "at_most": answer.chance.high,
+    }
+
+
 def sets_json(listed: ListedSets) -> dict[str, Any]:
     """Return sets for machines. What is beyond the numbers of JSON or Python's words is null."""
     counts = [n if n < _MOST_WRITTEN else None for n in (listed.count, *listed.by_order)]
-    found = {
+    found: dict[str, Any] = {
         "count": counts[0],
         "count_by_order": {str(i): n for i, n in enumerate(counts[1:], 1)},
         "sum_of_probabilities": listed.mass,
@@ -87,6 +108,10 @@ def sets_json(listed: ListedSets) -> dict[str, Any]:
             for one in listed.sets
         ],
     }
+    if listed.cut_off:
+        found["missing"] = "unlikely sets" if math.isfinite(listed.cut_off) else "all that were not found"
+        found["cut_off"] = listed.cut_off if math.isfinite(listed.cut_off) else None
+        found["count"] = found["count"] if math.isfinite(listed.cut_off) else None
     return {key: plain(value) for key, value in found.items()}
 
 
