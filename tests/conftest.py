@@ -4,9 +4,10 @@ import csv
 import importlib.util
 import os
 import subprocess
+import sys
 import textwrap
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -156,3 +157,17 @@ def coverage(answers: list[dict[str, Any]]) -> list[str]:
         none = [kind.partition(".")[2] for kind in parts if not kinds[kind]]
         lines += [f"  {handbook}: {', '.join(some)}", f"    none: {', '.join(none)}"]
     return lines
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A file system of sixteen megabytes."""
+    place = tmp_path / "disk"
+    place.mkdir()
+    asked = ["mount", "-t", "tmpfs", "-o", "size=16m", "robophm-test", str(place)]
+    if sys.platform != "linux" or os.geteuid() or subprocess.run(asked, capture_output=True, check=False).returncode:
+        pytest.skip("needs root, to mount a small file system")
+    try:
+        yield place
+    finally:
+        subprocess.run(["umount", str(place)], check=True)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
-import sys
 from collections import Counter
 from collections.abc import Collection, Iterator
 from pathlib import Path
@@ -28,20 +26,6 @@ from .designs import MEASURED_AS as T
 
 START = 1_795_000_000 * SECOND
 ROBOT = robot(**MEASURED, components=MOTOR)
-
-
-@pytest.fixture
-def small_disk(tmp_path: Path) -> Iterator[Path]:
-    """A file system of sixteen megabytes."""
-    place = tmp_path / "disk"
-    place.mkdir()
-    asked = ["mount", "-t", "tmpfs", "-o", "size=16m", "robophm-test", str(place)]
-    if sys.platform != "linux" or os.geteuid() or subprocess.run(asked, capture_output=True, check=False).returncode:
-        pytest.skip("needs root, to mount a small file system")
-    try:
-        yield place
-    finally:
-        subprocess.run(["umount", str(place)], check=True)
 
 
 class Filling(SignalSource):

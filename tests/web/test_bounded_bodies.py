@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import random
 import subprocess
@@ -10,13 +11,14 @@ import threading
 from pathlib import Path
 
 import pytest
+from starlette.exceptions import HTTPException
 
 from robophm.web import bounded_bodies
 from robophm.web.app import routers
-from robophm.web.bounded_bodies import LARGER, LOGIN, MOST_BUT_WORDS, MOST_BYTES, Words
+from robophm.web.bounded_bodies import LARGER, LOGIN, MOST_BUT_WORDS, MOST_BYTES, BoundedBodies, Words
 
 from ..transports.listener import within
-from .conftest import ROOT, Served
+from .conftest import ROOT, SMALL, Served, serving
 
 JSON = {"content-type": "application/json"}
 
@@ -162,3 +164,51 @@ def test_several_large_bodies_at_once_do_not_fill_the_memory(tmp_path: Path) -> 
 def test_a_value_of_as_many_numbers_as_one_edit_may_have_is_let_through() -> None:
     """12 letters each, as they are written at full length."""
     assert Words().beside(json.dumps([0.123456789012] * 100_000).encode()) < MOST_BUT_WORDS
+
+
+def test_who_may_only_look_sends_little_and_keeps_nobody_waiting(tmp_path: Path) -> None:
+    design = tmp_path / "courier.yaml"
+    design.write_text(SMALL)
+    bodies = BoundedBodies()
+
+    async def two_of_viewers() -> list[bool]:
+        """Whether an editor, and a third viewer, may wait behind two viewers."""
+        ahead = [asyncio.create_task(bodies.wait(1_000_000, "viewer")) for _ in range(2)]
+        await asyncio.sleep(0)
+        with pytest.raises(HTTPException) as refused:
+            await bodies.wait(200_000, "viewer")
+        assert refused.value.status_code == 503
+        editor = asyncio.create_task(bodies.wait(20_000_000, "editor"))
+        await asyncio.sleep(0)
+        for one in (*ahead, editor):
+            await one
+            bodies.go_on(20_000_000 if one is editor else 1_000_000, "editor" if one is editor else "viewer")
+        await bodies.wait(1_000_000, "viewer")
+        return [True]
+
+    assert asyncio.run(two_of_viewers())
+    with serving(design) as served:
+        tokens = {role: served.service.visitors.users.add_token(role, role) for role in ("viewer", "editor")}
+        text = "schema_version: 1\nname: large\ncomponents: {a: {rate: 1 FPMH}}\n" + "# word\n" * 200_000
+        said = {
+            role: served.client.post(
+                "/api/design/check", json={"text": text}, headers={"authorization": f"Bearer {token}"}
+            ).status_code
+            for role, token in tokens.items()
+        }
+        assert said == {"viewer": 413, "editor": 200}
+
+
+def test_a_place_of_a_large_design_is_not_written_by_itself(tmp_path: Path) -> None:
+    design = tmp_path / "courier.yaml"
+    design.write_text(SMALL)
+    with serving(design) as served:
+        state = served.client.get("/api/design/part", params={"path": "name"}).json()
+        assert state["text"].strip() in SMALL
+        large = SMALL + "# word\n" * 200_000
+        body = {"revision": state["revision"], "text": large}
+        assert served.client.put("/api/design/text", json=body).status_code == 200
+        said = served.client.get("/api/design/part", params={"path": "name"})
+        assert said.status_code == 422
+        assert "more than 1 MB is not written by its places" in said.json()["message"]
+        assert served.client.get("/api/design/part").json()["text"] == large

@@ -8,6 +8,7 @@ import socket
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -89,3 +90,36 @@ def test_it_ends_soon_after_sigterm_and_its_supervisor_knows(tmp_path: Path) -> 
         while said != b"STOPPING=1":
             said = there.recv(1000)
     assert took < 30  # on a machine that does much else; alone it is below two seconds
+
+
+def test_a_disk_that_is_full_is_said_while_it_is(
+    small_disk: Path,
+    tmp_path: Path,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    design = tmp_path / "robot.yaml"
+    design.write_bytes(OTA.read_bytes())
+    store, journal, ballast = small_disk / "past.db", small_disk / "run.journal", small_disk / "ballast"
+
+    def told() -> list[str]:
+        answer = served.client.get("/readyz")
+        wrong: list[str] = answer.json()["wrong"]
+        assert answer.status_code == (503 if wrong else 200)
+        return wrong
+
+    with serving(design, seed=1, store=str(store), journal=journal) as served:
+        served.service.keep_watching("synthetic", 2000.0)
+        within(30, lambda: journal.exists() and journal.stat().st_size > 10_000)
+        with ballast.open("wb", buffering=0) as stream, suppress(OSError):
+            while True:
+                stream.write(bytes(4096))
+        within(60, lambda: told() == ["the past cannot be kept"])
+        assert served.client.get("/healthz").status_code == 200, "it is not to be started again for that"
+        within(20, lambda: any("not saved, tried" in line for line in served.client.get("/api/health").json()["notes"]))
+        metrics = served.client.get("/metrics").text
+        assert "robophm_past_kept 0" in metrics
+        assert "robophm_incidents_total 0" not in metrics
+        ballast.unlink()
+        within(60, lambda: told() == [])
+        assert "robophm_past_kept 1" in served.client.get("/metrics").text
+    assert "disk is full" in caplog.text

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, nullcontext, suppress
 from dataclasses import dataclass
 
 from robophm.core.errors import SourceError, StoreError
+from robophm.core.freed_memory import EVERY, give_back
 from robophm.core.signal import CLOCK, REORDERED, SECOND, Sample
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
@@ -52,6 +53,7 @@ def watch(
     speed: float | None = None, functions: Sequence[str] = (),
     on_start: Callable[[Monitor], None] | None = None, on_tick: Callable[[Monitor], None] | None = None,
     on_task: Callable[[JudgedTask], None] | None = None, on_clock: Callable[[str], None] | None = None,
+    on_notes: Callable[[Mapping[str, int]], None] | None = None, on_kept: Callable[[bool], None] | None = None,
     alarms: AlarmWatch | None = None, assessor: TaskAssessor | None = None, for_fleet: bool = False,
 ) -> Monitor:  # fmt: skip
     """Listen until the source is closed, from where the store's ledger stands; return the monitor as it is then.
@@ -61,7 +63,8 @@ def watch(
     tasks that ``task_topics`` of a live source tell of, ``speed`` [m/s] and ``functions`` being as of LiveTasks; what
     of them is not judged is in the source's notes. ``on_start`` is called before the first sample, ``on_tick`` after
     each step, ``alarms`` looks at each report that sinks are told, ``assessor`` sees the past that it is of,
-    ``on_clock`` with words, at once, where the clock jumps ahead, or back so that nothing counts.
+    ``on_clock`` with words, at once, where the clock jumps ahead, or back so that nothing counts; ``on_notes`` with all
+    notes where one is new, as on what was lost, and ``on_kept`` with whether the past was kept, each time it is to be.
 
     ``for_fleet``: the reports that are kept go into the store's outbox too, and state the probability of failing ahead.
 
@@ -75,7 +78,8 @@ def watch(
         return _Watch(
             robot=robot, source=source, store=store, journal=journal, period=period, sinks=sinks,
             task_topics=task_topics, speed=speed, functions=functions, on_start=on_start, on_tick=on_tick,
-            on_task=on_task, on_clock=on_clock, alarms=alarms, assessor=assessor, for_fleet=for_fleet,
+            on_task=on_task, on_clock=on_clock, on_notes=on_notes, on_kept=on_kept, alarms=alarms, assessor=assessor,
+            for_fleet=for_fleet,
         ).run()  # fmt: skip
 
 
@@ -96,6 +100,8 @@ class _Watch:
     on_tick: Callable[[Monitor], None] | None
     on_task: Callable[[JudgedTask], None] | None
     on_clock: Callable[[str], None] | None
+    on_notes: Callable[[Mapping[str, int]], None] | None
+    on_kept: Callable[[bool], None] | None
     alarms: AlarmWatch | None
     assessor: TaskAssessor | None
     for_fleet: bool
@@ -116,7 +122,7 @@ class _Watch:
         self._tasks = LiveTasks(self._monitor, self._wear, speed=self.speed, functions=self.functions)
         self._silent = SilentSignals(self.robot.max_ages)
         self._unkept: Counter[str] = Counter()
-        self._looked = time.monotonic()
+        self._looked = self._given_back = time.monotonic()
         self._events: list[Event] = []
         """Events that are not yet saved."""
         self._noted: Counter[str] = Counter()
@@ -193,6 +199,9 @@ class _Watch:
             for sink in self.sinks:
                 sink.repeat()
             self._note_services()
+            if now - self._given_back >= EVERY:
+                self._given_back = now
+                give_back()
 
     def _note_services(self) -> None:
         """Take in the services that people ask for, in order: each is in the ledger and answered at once, or neither.
@@ -220,6 +229,8 @@ class _Watch:
             self._noted = notes
             for sink in self.sinks:
                 sink.noted(notes)
+            if self.on_notes:
+                self.on_notes(notes)
 
     def _hear_of_task(self, message: WholeMessage) -> None:
         if judged := self._tasks.hear(message):
@@ -276,8 +287,14 @@ class _Watch:
                 raise
             self._unkept[f"not saved, tried again: {error}"] += 1
             del self._course.reports[:-MOST_REPORTS]
+            self._say_kept(kept=False)
             return False
+        self._say_kept(kept=True)
         return True
+
+    def _say_kept(self, *, kept: bool) -> None:
+        if self.on_kept:
+            self.on_kept(kept)
 
     @property
     def _notes(self) -> Counter[str]:

@@ -95,11 +95,13 @@ class SqliteStore(Store, TakesRequests):
         try:
             left = left_behind(self.path)
             if left.saves:
-                shutil.copyfile(log, f"{log}.damaged")
+                with suppress(OSError):  # where there is no room it is said all the same
+                    shutil.copyfile(log, f"{log}.damaged")
         finally:
             self._base.execute("ROLLBACK")
         if left.pages:
-            self._base.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            with suppress(sqlite3.OperationalError):  # where there is no room it is told once more by the next
+                self._base.execute("PRAGMA wal_checkpoint(TRUNCATE)")
             kept = f", and kept in {log.name}.damaged" if left.saves else ""
             _log.warning(
                 "%s: the end of its log is left out (pages: %d)%s: it is damaged, or a save was not finished; the "

@@ -9,6 +9,8 @@ from starlette.datastructures import Headers
 from starlette.exceptions import HTTPException
 from starlette.types import Message, Receive, Scope
 
+from robophm.web.access.roles import Role
+
 MOST_BYTES = 1_000_000
 """Largest body of a request, but at the addresses of LARGER [bytes]."""
 
@@ -44,13 +46,18 @@ Each value takes a byte of it at least, and in memory up to fifty times what it 
 LARGE = 100_000
 """Size from which bodies are taken one at a time [bytes]."""
 
-MOST_WAITING = 48_000_000
-"""Size of all large bodies that wait for their turn, and of the one that has it [bytes]."""
+MOST_WAITING, MOST_WAITING_OF_VIEWERS = 48_000_000, 2_000_000
+"""Size of all large bodies that wait for their turn, and of the one that has it [bytes]: of all, and of viewers alone.
+
+So those who may only look keep nobody waiting for more than a few seconds.
+"""
 
 
-def most_of(path: str) -> int:
-    """Return the size that a body may have at an address [bytes]."""
-    return MOST_OF_LOGIN if path == LOGIN else LARGER.get(path, MOST_BYTES)
+def most_of(path: str, role: Role) -> int:
+    """Return the size that a body of somebody in a role may have at an address [bytes]: of viewers none is larger."""
+    if path == LOGIN:
+        return MOST_OF_LOGIN
+    return MOST_BYTES if role == "viewer" else LARGER.get(path, MOST_BYTES)
 
 
 class BoundedBodies:
@@ -58,36 +65,41 @@ class BoundedBodies:
 
     def __init__(self) -> None:
         self._turn = asyncio.Lock()
-        self._waiting = 0
+        self._waiting, self._of_viewers = 0, 0
 
-    def of(self, scope: Scope, headers: Headers, receive: Receive) -> BoundedBody:
-        """Return the body of a request."""
+    def of(self, scope: Scope, headers: Headers, receive: Receive, role: Role = "editor") -> BoundedBody:
+        """Return the body of a request of somebody in a role, or of a program that may write."""
         json = "json" in headers.get("content-type", "").lower()
-        return BoundedBody(self, receive, scope["path"], words=Words() if json else None)
+        return BoundedBody(self, receive, scope["path"], role, words=Words() if json else None)
 
-    async def wait(self, size: int) -> None:
+    async def wait(self, size: int, role: Role) -> None:
         """Wait for a turn. Raises HTTPException where too much waits already."""
-        if self._waiting + size > MOST_WAITING:
+        of_viewer = size if role == "viewer" else 0
+        if self._waiting + size > MOST_WAITING or self._of_viewers + of_viewer > MOST_WAITING_OF_VIEWERS:
             raise HTTPException(503, "other large requests are under way; try again later", {"retry-after": "10"})
-        self._waiting += size
+        self._count(size, role)
         try:
             await self._turn.acquire()
         except asyncio.CancelledError:
-            self._waiting -= size
+            self._count(-size, role)
             raise
 
-    def go_on(self, size: int) -> None:
+    def go_on(self, size: int, role: Role) -> None:
         """End a turn."""
-        self._waiting -= size
+        self._count(-size, role)
         self._turn.release()
+
+    def _count(self, size: int, role: Role) -> None:
+        self._waiting += size
+        self._of_viewers += size if role == "viewer" else 0
 
 
 class BoundedBody:
     """The body of one request, as it comes."""
 
-    def __init__(self, bodies: BoundedBodies, receive: Receive, path: str, words: Words | None) -> None:
-        self._bodies, self._receive, self._words = bodies, receive, words
-        self._most, self._is_kept = most_of(path), path != FILES
+    def __init__(self, bodies: BoundedBodies, receive: Receive, path: str, role: Role, words: Words | None) -> None:
+        self._bodies, self._receive, self._words, self._role = bodies, receive, words, role
+        self._most, self._is_kept = most_of(path, role), path != FILES
         self._size = 0
         self._has_turn = False
 
@@ -103,7 +115,7 @@ class BoundedBody:
                 413, f"more than {MOST_BUT_WORDS / 1_000_000:,g} MB of the JSON are no texts; expected fewer values"
             )
         if self._is_kept and self._size > LARGE and not message.get("more_body") and not self._has_turn:
-            await self._bodies.wait(self._size)
+            await self._bodies.wait(self._size, self._role)
             self._has_turn = True
         return message
 
@@ -111,7 +123,7 @@ class BoundedBody:
         """Let the next one have its turn: this one is answered."""
         if self._has_turn:
             self._has_turn, self._is_kept = False, False
-            self._bodies.go_on(self._size)
+            self._bodies.go_on(self._size, self._role)
 
 
 class Words:

@@ -58,7 +58,7 @@ class Guard:
             return
         headers = Headers(scope=scope)
         user = self._visitors.who(scope, headers)
-        refused = self._refusal(scope, headers) or self._not_allowed(scope, user)
+        refused = self._refusal(scope, headers, user) or self._not_allowed(scope, user)
         if refused:
             await _refuse(scope, receive, send, *refused)
             return
@@ -67,7 +67,7 @@ class Guard:
             await self._app(scope, receive, self._while_allowed(scope, headers, send))
             return
         change = self._change(scope, headers, user)
-        body = self._bodies.of(scope, headers, receive)
+        body = self._bodies.of(scope, headers, receive, user.role if user else "viewer")
 
         begun = False
 
@@ -96,7 +96,7 @@ class Guard:
             body.end()
             CHANGE.reset(token)
 
-    def _refusal(self, scope: Scope, headers: Headers) -> tuple[int, str] | None:
+    def _refusal(self, scope: Scope, headers: Headers, user: User | None) -> tuple[int, str] | None:
         """Why a request is refused whoever asks."""
         host = headers.get("host", "")
         try:
@@ -112,7 +112,7 @@ class Guard:
         if writes and headers.get("sec-fetch-site", "same-origin") not in ("same-origin", "none"):
             return 403, "a page from elsewhere may not do this"
         length = headers.get("content-length", "0")
-        most = most_of(scope["path"])
+        most = most_of(scope["path"], user.role if user else "viewer")
         if not length.isdecimal() or int(length) > most:
             return 413, f"the request is larger than {most / 1_000_000:,g} MB"
         return None

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Literal
 
+from robophm.core.counted_notes import FreshNotes
 from robophm.core.signal import SECOND
 from robophm.health.plant import Plant
 from robophm.health.prognosis import RemainingLife
@@ -210,7 +211,7 @@ def health_of(
         alarms=len(alarms),
         unacknowledged=sum(not one["acknowledged_by"] for one in alarms),
         sensors=sensors,
-        notes=list(report.notes),
+        notes=[*report.notes, *(FreshNotes().lines(run.notes) if run and run.state == "running" else ())],
         task=TaskWords(distance=report.task.distance, duration=report.task.duration) if report.task else None,
     )
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from robophm.core.counted_notes import ordinary
+from robophm.web.monitoring import Run
 from robophm.web.service import Service
 
 _FIGURES = {
@@ -27,9 +29,7 @@ def _lines(service: Service) -> Iterator[str]:
     report, lives = (run.report, run.lives) if run else (None, None)
     if run is None or report is None:
         return
-    yield "# HELP robophm_samples_total Samples heard since monitoring began"
-    yield "# TYPE robophm_samples_total counter"
-    yield f"robophm_samples_total {run.samples}"
+    yield from _of_run(run)
     robot = _label(report.robot)
     for key, (name, words) in _FIGURES.items():
         yield f"# HELP {name} {words}"
@@ -79,6 +79,18 @@ def _lines(service: Service) -> Iterator[str]:
     yield "# HELP robophm_threshold_breached Whether a threshold of the design is breached"
     yield "# TYPE robophm_threshold_breached gauge"
     yield f'robophm_threshold_breached{{robot="{robot}"}} {int(bool(report.breaches))}'
+
+
+def _of_run(run: Run) -> Iterator[str]:
+    yield "# HELP robophm_samples_total Samples heard since monitoring began"
+    yield "# TYPE robophm_samples_total counter"
+    yield f"robophm_samples_total {run.samples}"
+    yield "# HELP robophm_past_kept Whether the robot's past was kept when it was last to be"
+    yield "# TYPE robophm_past_kept gauge"
+    yield f"robophm_past_kept {int(run.kept)}"
+    yield "# HELP robophm_incidents_total What was lost, silent, refused or could not be kept, since monitoring began"
+    yield "# TYPE robophm_incidents_total counter"
+    yield f"robophm_incidents_total {sum(count for what, count in run.notes.items() if not ordinary(what))}"
 
 
 def _label(text: str) -> str:

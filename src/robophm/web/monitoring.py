@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from robophm.core.counted_notes import FreshNotes
 from robophm.core.errors import RobophmError, SourceError
 from robophm.core.signal import Sample
 from robophm.design.robot import Robot
@@ -87,12 +88,27 @@ class Run:
     """The time [ns] of each signal's last valid value, in this run or before it, as of the latest report."""
     samples: int = 0
     notes: Mapping[str, int] = field(default_factory=dict)
+    """Notes on what was lost, silent or could not be kept, with how often, as soon as they are known."""
+    kept: bool = True
+    """Whether the past was kept when it was last to be."""
+    fresh: FreshNotes = field(default_factory=FreshNotes)
+    """The notes that the log was told of."""
     tasks: Callable[[], list[TaskRecord]] = list
     """Function that returns the tasks of a recording, which are known beforehand."""
     judged: deque[JudgedTask] = field(default_factory=lambda: deque(maxlen=MOST_TASKS))
     """Tasks of a robot that tells of them."""
     looks: int = 0
     """Number of reports so far."""
+
+    def take_notes(self, notes: Mapping[str, int]) -> None:
+        """Keep notes, and tell the log of those that are new."""
+        self.notes = dict(notes)
+        for line in self.fresh.lines(notes):
+            logging.getLogger("robophm").warning("%s: %s", self.robot.name, line)
+
+    def take_kept(self, kept: bool) -> None:
+        """Keep whether the past was kept."""
+        self.kept = kept
 
     def hear_of_task(self, task: JudgedTask) -> None:
         """Keep a task that arrived or was done; one that was given up was never done."""
@@ -313,7 +329,8 @@ class Monitoring:
                 monitor = watch(
                     run.robot, tapped, store=store, journal=journal, period=self._period, on_tick=look, on_start=begin,
                     task_topics=(*TASK_TOPICS, *source.task_topics) if isinstance(source, LiveSource) else (),
-                    on_task=run.hear_of_task, for_fleet=self._for_fleet and not isinstance(store, MemoryStore),
+                    on_task=run.hear_of_task, on_notes=run.take_notes, on_kept=run.take_kept,
+                    for_fleet=self._for_fleet and not isinstance(store, MemoryStore),
                 )  # fmt: skip
                 newest = monitor.ledger.newest or 0
                 monitor.marks = [mark for mark in monitor.marks if mark[0] <= newest]

@@ -31,6 +31,7 @@ from robophm.web.access.proxies import Proxies, is_loopback
 from robophm.web.access.visitors import Visitors
 from robophm.web.jobs import Jobs
 from robophm.web.monitoring import Monitoring
+from robophm.web.part_texts import PartTexts
 from robophm.web.prepared_robot import PreparedRobot, rates_of
 from robophm.web.shapes import DesignState, Problem
 from robophm.web.sources import Choice, choices, chosen
@@ -104,6 +105,7 @@ class Service:
         """Seed of the synthetic robot, where it can be chosen."""
         self.changed_outside = False
         """Whether the file holds what somebody else has made of it, and taking it would lose edits or is impossible."""
+        self.part_texts = PartTexts()
         self.wanted = ""
         """The source by which the robot is to be watched from the start."""
         self._ended = threading.Event()

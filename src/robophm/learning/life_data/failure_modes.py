@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from scipy.integrate import trapezoid
 from scipy.optimize import brentq
 
 from robophm.core.errors import DataError, ModelError, nearest
@@ -82,7 +83,7 @@ def fit_modes(data: LifeData, name: str | None = None, *, level: float = LEVEL) 
     end = _quantile(found, 1 - 1e-10)
     times = np.concatenate([[0.0], np.geomspace(1e-12, 1.0, 8001) * min(end, 1e300)])
     survival = found.survival(times)
-    mean = float(np.trapezoid(survival, times)) if math.isfinite(end) else math.inf
+    mean = float(trapezoid(survival, times)) if math.isfinite(end) else math.inf
     shares = {
         mode: float(np.sum((survival[1:] + survival[:-1]) / 2 * np.diff(np.asarray(one.life.increment(0.0, times)))))
         for mode, one in modes.items()

@@ -172,18 +172,10 @@ def get_states(service: Served) -> DesignStates:
 @router.get("/part", responses=REFUSED)
 def get_part_text(service: Served, path: Annotated[list[str] | None, Query(max_length=100)] = None) -> DesignText:
     """The value at a place of the design, as YAML."""
-    from robophm.web.workspace import dump, load
-
     draft = service.workspace.draft()
     if not path:  # all of it, also where it is no YAML and is to be mended
         return DesignText(revision=draft.revision, text=draft.text)
-    here = load(draft.text)
-    for key in path:
-        try:
-            here = here[int(key)] if isinstance(here, list) else here[key]
-        except (KeyError, ValueError, IndexError, TypeError):
-            raise LocatedError(tuple(path), "there is nothing at this place") from None
-    return DesignText(revision=draft.revision, text=dump(here).removesuffix("...\n"))
+    return DesignText(revision=draft.revision, text=service.part_texts.of(draft.text, tuple(path)))
 
 
 @router.get("/drawing", responses=REFUSED)

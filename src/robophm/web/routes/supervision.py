@@ -34,10 +34,11 @@ def _failures(service: Service) -> list[str]:
 
 
 def _awaited(service: Service) -> list[str]:
-    """What was asked for from the start, and is not there yet."""
+    """What was asked for and is not there yet, or not for now: a robot that is watched, and room for its past."""
     run = service.monitoring.run
     there = not service.wanted or (run is not None and (run.stopped or run.looks > 0))
-    return [] if there else ["the robot is not watched yet"]
+    unkept = run is not None and run.state == "running" and not run.kept
+    return [*([] if there else ["the robot is not watched yet"]), *(["the past cannot be kept"] if unkept else [])]
 
 
 def _told(wrong: list[str], response: Response) -> Standing:
