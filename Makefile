@@ -6,7 +6,7 @@ CHECKED := src tests benchmarks tools
 # The tests start hundreds of commands: each would be compiled anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help setup demo demo-ros lint check peers test test-full test-fresh calibrate prognostics new-user fuzz integrity soak bench clean
+.PHONY: help setup demo demo-ros lint check peers test test-full test-page test-oldest test-fresh release calibrate prognostics new-user fuzz integrity soak bench clean
 .DEFAULT_GOAL := help
 
 help:
@@ -15,7 +15,10 @@ help:
 	@echo "make check      lint, types, floors, and the tests that your change touches: a minute"
 	@echo "make test       all checks and tests"
 	@echo "make test-full  what takes long too, and the peers that pip can install, half an hour"
+	@echo "make test-page  the page: what people come for in two clicks, and all its pictures (demo-output/pages), ten minutes"
+	@echo "make test-oldest  with the oldest versions that pyproject.toml allows, half an hour"
 	@echo "make test-fresh both commands on machines that have nothing (as root; docs/fresh-machines.md)"
+	@echo "make release    the latest commit in dist/: wheel and sdist, what is in them (SBOM), SHA-256, some minutes"
 	@echo "make calibrate  predictions against 20,000 robots that fail and 1,000 that wear (docs/calibration.md)"
 	@echo "make fuzz       1,200,000 damaged recordings, an hour or more (docs/guides/columns.md)"
 	@echo "make integrity  1,000 kills and 1,000 cuts of power, an hour or less (docs/guides/unattended.md)"
@@ -50,7 +53,7 @@ peers:
 	@sh tools/browser
 
 test: lint peers
-	$(BIN)/pytest -n 3 --durations=10 --durations-min=1
+	$(BIN)/pytest -n 4 --durations=10 --durations-min=1
 
 # `make test` has a twenty-fifth of the calibration, by a fixed seed, and skips the peers of the extra `peers`.
 test-full: setup
@@ -58,8 +61,18 @@ test-full: setup
 	$(MAKE) test calibrate
 	$(BIN)/pytest -n 2 -m full
 
+test-page: setup
+	@sh tools/browser
+	$(BIN)/pytest -s tests/web/page/scripted_visit.py
+
 test-fresh:
 	@sh tools/test-fresh
+
+test-oldest: setup
+	@sh tools/test-oldest "$(BIN)/python"
+
+release:
+	@sh tools/release "$(PYTHON)"
 
 fuzz: setup
 	@$(BIN)/python -m tests.transports.recordings.columns.fuzz

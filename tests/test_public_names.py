@@ -332,3 +332,10 @@ def test_lives_of_hostile_ages(name: str) -> None:
                 one_line(error)
             else:  # not a number comes of what is none, and of ages without end
                 assert isinstance(found, kind) or np.isfinite(found).all() or not np.isfinite(bad).all() or bad is True
+
+
+def test_what_is_listed_is_public_and_all_of_it() -> None:
+    """What a shell completes after ``robophm.`` is what may be used, before and after anything was asked for."""
+    assert robophm.load
+    assert dir(robophm) == sorted(robophm.__all__)
+    assert not [name for name in dir(robophm) if name.startswith("_") or not hasattr(robophm, name)]

@@ -42,18 +42,23 @@ def inside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
     """The same in this process, which is ten times as fast: `main` with streams of its own."""
 
     def run(*args: object) -> subprocess.CompletedProcess[str]:
-        monkeypatch.chdir(tmp_path)
-        words = [str(word) for word in args]
-        streams = [io.TextIOWrapper(io.BytesIO(), encoding="utf-8") for _ in range(2)]
-        for name, value in (("argv", ["robophm", *words]), ("stdout", streams[0]), ("stderr", streams[1])):
-            monkeypatch.setattr(sys, name, value)
-        with pytest.raises(SystemExit) as leaving:
-            main()
-        texts = [stream.buffer.getvalue().decode() for stream in streams]
+        done = run_inside(tmp_path, [str(word) for word in args], monkeypatch)
         monkeypatch.undo()
-        return subprocess.CompletedProcess(words, leaving.value.code or 0, *texts)
+        return done
 
     return run
+
+
+def run_inside(folder: Path, words: list[str], monkeypatch: pytest.MonkeyPatch) -> subprocess.CompletedProcess[str]:
+    """Run a command in this process, whose folder and streams ``monkeypatch`` changes."""
+    monkeypatch.chdir(folder)
+    streams = [io.TextIOWrapper(io.BytesIO(), encoding="utf-8") for _ in range(2)]
+    for name, value in (("argv", ["robophm", *words]), ("stdout", streams[0]), ("stderr", streams[1])):
+        monkeypatch.setattr(sys, name, value)
+    with pytest.raises(SystemExit) as leaving:
+        main()
+    texts = [stream.buffer.getvalue().decode() for stream in streams]
+    return subprocess.CompletedProcess(words, leaving.value.code or 0, *texts)
 
 
 @pytest.fixture

@@ -89,6 +89,11 @@ def test_a_drive_in_many_files_is_one_entry(inside, tmp_path):
     )
     assert done.stdout.count("Time at level: ") == MOST_LEVELS
     assert done.stderr == "warning: drive_0.mcap: receipt time used for /level (60 times, and 69 more like it)\n"
+    search = ("data", "find", ".", "--signal", "/level.data", "--above", "-1", "--for", "1 s")
+    whole, files = (document(inside(*search, *how, "--json"))["hits"] for how in ((), ("--apart",)))
+    assert [(hit["begin"], hit["end"]) for hit in whole] == [(10**18, 10**18 + 4199 * SECOND)]
+    assert (len(files), {hit["end"] - hit["begin"] for hit in files}) == (70, {59 * SECOND})
+    assert "--apart: not used for" in inside(*search, "--apart", "--together").stderr
 
 
 def test_a_folder_is_listed(inside, bags):

@@ -87,7 +87,7 @@ def test_a_robots_own_ledger(inside, design, tmp_path):
     robot = load(design)
     part = next(one.path for one in robot.all_components() if one.quantity == 1 and len(one.modes) == 1)
     looked = inside("service", design, part, "--store", "past.db", "--history")
-    assert "neither replaced nor repaired so far" in looked.stdout
+    assert "was neither replaced nor repaired so far" in looked.stdout
     done = inside("service", design, part, "--store", "past.db", "--replaced", "--failed")
     assert done.returncode == 0
     assert f"{part} replaced after it failed, at an effective age of" in done.stdout
@@ -96,8 +96,8 @@ def test_a_robots_own_ledger(inside, design, tmp_path):
     found = json.loads(inside("learn", design, "past.db", "--json").stdout)["rates"]
     assert {one["mode"]: one["failures"] for one in found}[part] == 1
     assert all((one["factor"] - 1) * (one["failures"] - one["expected"]) >= 0 for one in found)
-    for words, said in (((), "was it replaced or repaired?"), (("--failed", "--history"), "--failed says why"),
-                        (("--replaced", "--repaired", 0.5), "was it replaced or repaired?")):  # fmt: skip
+    for words, said in (((), "or has it failed?"), (("--by", "Ada", "--history"), "--by and --note are of"),
+                        (("--replaced", "--repaired", 0.5), "was it replaced or repaired")):  # fmt: skip
         assert said in inside("service", design, part, "--store", "past.db", *words).stderr
     wrong = inside("service", design, "wheels", "--store", "past.db", "--replaced")
     assert wrong.returncode == 3

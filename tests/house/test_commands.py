@@ -13,9 +13,10 @@ import pytest
 import robophm.cli
 from robophm.cli.app import COMMANDS
 from robophm.cli.data import COMMANDS as DATA_COMMANDS
+from robophm.cli.fleet import COMMANDS as FLEET_COMMANDS
 
 CLI = Path(robophm.cli.__file__).parent
-FOLDERS = {CLI: COMMANDS, CLI / "data": DATA_COMMANDS}
+FOLDERS = {CLI: COMMANDS, CLI / "data": DATA_COMMANDS, CLI / "fleet": FLEET_COMMANDS}
 FILES = [(folder, name, line) for folder, lines in FOLDERS.items() for name, line in lines.items()]
 
 

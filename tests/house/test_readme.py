@@ -3,6 +3,7 @@
 import math
 import os
 import re
+import shlex
 import shutil
 import signal
 import subprocess
@@ -17,6 +18,8 @@ import pytest
 
 from robophm.cli.app import COMMANDS
 from robophm.core.signal import SECOND
+
+from ..cli.conftest import run_inside
 
 ROOT = Path(__file__).resolve().parents[2]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -69,10 +72,10 @@ def moved(at: int, metres: float, types: dict[str, Any]) -> object:
 
 
 def drive(day: int) -> list[tuple[str, str, int, Callable[..., object]]]:
-    """A day's messages of what the design binds, every 20 s."""
+    """A day's messages of what the design binds, every minute."""
     start = 1_780_000_000 + day * 86_400
     messages: list[tuple[str, str, int, Callable[..., object]]] = []
-    for at in range(start, start + 86_400, 20):
+    for at in range(start, start + 86_400, 60):
         hot = 40 + 10 * math.sin(at / 4000)
         messages.append(("/motors/temperature", "sensor_msgs/msg/Temperature", at * SECOND, partial(warm, at, hot)))
         messages.append(("/odom", "nav_msgs/msg/Odometry", at * SECOND, partial(moved, at, 0.4 * (at - start))))
@@ -80,7 +83,12 @@ def drive(day: int) -> list[tuple[str, str, int, Callable[..., object]]]:
 
 
 def ended(command: str, folder: Path) -> tuple[int, str]:
-    """Exit code and output of a command that a shell runs as printed; one that runs until stopped is stopped."""
+    """Exit code and output of a command; one that runs until stopped is a process of its own, and is stopped."""
+    if command.split()[1] not in STOPPED:
+        with pytest.MonkeyPatch.context() as changed:
+            changed.setenv("NO_COLOR", "1")
+            done = run_inside(folder, shlex.split(command)[1:], changed)
+        return done.returncode, done.stdout + done.stderr
     environment = {**os.environ, "PATH": f"{sysconfig.get_path('scripts')}:{os.environ['PATH']}", "NO_COLOR": "1"}
     process = subprocess.Popen(
         ["sh", "-c", f"exec {command}"],
@@ -92,7 +100,7 @@ def ended(command: str, folder: Path) -> tuple[int, str]:
         text=True,
     )
     try:
-        for _ in range(100 if command.split()[1] in STOPPED else 0):  # one that comes too early may be lost
+        for _ in range(100):  # a signal that comes too early may be lost
             try:
                 process.wait(5)
                 break

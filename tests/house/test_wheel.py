@@ -67,7 +67,7 @@ def test_it_installs_anywhere(wheel):
 def test_it_holds_what_is_needed_at_run_time(wheel):
     names = set(zipfile.ZipFile(wheel).namelist())
     examples = (f"examples/ota/{name}.yaml" for name in ("robot", "guide", "handbook"))
-    messages = (f"ros/phm_msgs/{name}" for name in ("msg/Health.msg", "ros1/msg/Potc.msg", "srv/AssessTask.srv"))
+    messages = (f"ros/phm_msgs/{name}" for name in ("msg/Health.msg", "ros1/msg/Potc.msg", "srv/ReportFailure.srv"))
     library = (f"parts/library/{file.name}" for file in (ROOT / "src/robophm/parts/library").iterdir())
     for needed in ("py.typed", "design/robot.schema.json", *examples, *messages, *library):
         assert f"robophm/{needed}" in names

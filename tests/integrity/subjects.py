@@ -36,6 +36,8 @@ BEGIN = 1_795_000_020 * SECOND
 SIGNALS = ("/cold.temperature", "/hot.temperature")
 CLOCK_EVERY = 10
 """Samples between two of the clock, at each of which a journal hands its lines to the system."""
+PART = 4000
+"""Bytes of a journal from which on it goes on in a new file, so that many are begun."""
 
 DESIGN = """\
 schema_version: 1
@@ -89,7 +91,7 @@ class OfJournal(Subject):
 
     def work(self, folder: Path, marks: Marks, begin: int, end: int) -> None:
         """Write samples, and sync once in a while."""
-        with Journal(folder / "run.journal", SIGNALS) as journal:
+        with Journal(folder / "run.journal", SIGNALS, part_size=PART) as journal:
             for number in range(begin, end):
                 marks.say("heard", number + 1)
                 journal.write(one := sample(number))
@@ -103,8 +105,10 @@ class OfJournal(Subject):
     def judge(self, folder: Path, heard: int, lost: Lost) -> None:
         """Read it, and go on behind it."""
         path = folder / "run.journal"
-        there = journaled(path) if path.exists() and path.stat().st_size else []
-        with Journal(path, SIGNALS) as journal:  # the next run goes on, whatever it finds
+        if not path.exists():  # it was about to go on in a new file, or had not begun
+            Journal(path, SIGNALS, part_size=PART).close()
+        there = journaled(path) if path.stat().st_size else []
+        with Journal(path, SIGNALS, part_size=PART) as journal:  # the next run goes on, whatever it finds
             journal.write(sample(heard))
         is_told_once(journaled(path)[:-1], heard, lost)
         assert journaled(path) == [*there, sample(heard)]
@@ -121,7 +125,7 @@ class OfWatch(Subject):
         source = Said(marks, begin, end)
         with (
             Marking(folder / "past.db", lambda _: marks.say("kept", marks["heard"])) as store,
-            Journal(folder / "run.journal", ROBOT.signals) as journal,
+            Journal(folder / "run.journal", ROBOT.signals, part_size=PART) as journal,
         ):
             watch(ROBOT, source, store=store, journal=journal, period=10.0)
 

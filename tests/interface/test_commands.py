@@ -25,6 +25,7 @@ OF_THE_TERMINAL = {
     "data": "a program reads columns by robophm.measured, which the command prints",
     "demo": "shows the commands one after another",
     "doctor": "tells of this machine what `robophm` needs of it",
+    "fleet": "is a service, and prints what its store has: robophm.fleet.questions",
     "history": "prints what a program has from a store: history(robot.identity) has figures, events and reports",
     "report": "writes a page: robophm.report.health_page makes its text",
     "schema": "prints robophm.design.schema.json_schema()",

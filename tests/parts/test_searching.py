@@ -68,3 +68,30 @@ def test_one_slip_in_a_long_word_is_forgiven_wherever_it_is():
         for i in range(1, len(word)):
             slipped = word[:i] + word[i + 1 :]
             assert slipped in said or entry in search(slipped)  # what is left may be another word
+
+
+def plural(word):
+    """More than one of a thing, as English has it."""
+    if word.endswith("y") and word[-2] not in "aeiou":
+        return word[:-1] + "ies"
+    return word + ("es" if word.endswith(("s", "x", "z", "ch", "sh")) else "s")
+
+
+def test_more_than_one_of_a_thing_is_found_as_one_is():
+    """Fuses, hoses, buses, lenses, switches, batteries: the plural of each entry's first words finds it first too."""
+    first = {entry.words[0]: name for name, entry in library().items() if entry.words[0].isascii()}
+    missed = {plural(word) for word, name in first.items() if names(plural(word))[:1] != [name]}
+    assert not missed - {"gpus", "cans"}
+
+
+@pytest.mark.parametrize(
+    ("words", "name"),
+    [
+        ("motor with encoder", "bldc_motor"), ("camera with microphone", "camera"),
+        ("cable for lidar", "drag_chain_cable"),
+        ("wheel with motor", "drive_wheel"), ("zzyzx with fuse", "fuse"),
+    ],
+)  # fmt: skip
+def test_what_a_thing_has_or_is_for_is_another_thing(words, name):
+    """But where nobody knows what is in front, what stands behind is found."""
+    assert names(words)[:1] == [name]

@@ -14,7 +14,7 @@ COMMANDS = {
     "new": "Draft a robot's design from its URDF, its recordings and its parts lists, and say its first health.",
     "bind": "Propose bindings for the inputs of a design by what recordings have, and write those that are accepted.",
     "learn": "What failures in the field say of a design's rates.",
-    "service": "Tell a robot's ledger that a part was replaced, or repaired.",
+    "service": "Tell a robot's ledger that a part was replaced or repaired, or that it failed.",
     "fit": "Fit life data: distributions, lives at stress, repaired systems (needs robophm[fit]).",
     "maintain": "When to replace which part, with which spares, at what cost; whether watching it pays.",
     "wear": "The wear that signals show: trend, change, and what remains of parts and robot.",
@@ -49,6 +49,7 @@ COMMANDS = {
     "doctor": "Say what is installed here and whether it works.",
     "data": "Look at measured data: `robophm data BAGS` lists it.",
     "alarms": "The alarms of a robot: which go on, since when and why, and who has taken note of them.",
+    "fleet": "Many robots: take their reports, and say how each is and which fail first.",
     "store": "Look after a store, where a robot's past is kept.",
 }  # fmt: skip
 """Each with the first line of its help."""
@@ -72,6 +73,7 @@ GROUPS = {
     ),
     "What lies ahead, and why": ("predict", "task", "importance", "why"),
     "Structure and faults": ("cutsets", "fault-tree", "fmeca", "diagnose"),
+    "Many robots": ("fleet",),
     "Learning and upkeep": ("learn", "fit", "wear", "maintain", "calibrate"),
     "To try it": ("demo", "simulate", "doctor"),
 }

@@ -9,19 +9,12 @@ import typer
 from robophm.cli.shared.options import Json
 from robophm.cli.shared.output import console, print_json, print_table, table
 from robophm.cli.shared.unused import refuse_unused
+from robophm.cli.shared.where_else import in_library
 from robophm.core.errors import PlugError
 from robophm.hazard.environments import SOURCE, rows
 from robophm.hazard.qualities import QUALITIES, VITA
 from robophm.hazard.search import find_models
-from robophm.parts import search
 from robophm.report.model_reference import reference
-
-
-def _in_library(kind: str) -> str:
-    """A hint where the library of parts knows what is asked for."""
-    names = [entry.name for entry in search(kind)]
-    some = f"{', '.join(names[:3])}{' …' if len(names) > 3 else ''}"
-    return f"; the library of parts has {some}: robophm parts {kind}" if names else ""
 
 
 def print_reference() -> None:
@@ -49,14 +42,15 @@ def print_qualities(*, as_json: bool) -> None:
 
 
 def command(
-    kind: Annotated[
-        str | None,
-        typer.Argument(help="of part, e.g. motor, 'chip resistor'; none lists all; environment, quality: their words"),
+    words: Annotated[
+        list[str] | None,
+        typer.Argument(help="of part, e.g. motor, chip resistor; none lists all; environment, quality: their words"),
     ] = None,
     reference: Annotated[bool, typer.Option("--reference", help="print the reference page, Markdown")] = False,
     as_json: Json = False,
 ) -> None:
     """The hazard models for a kind of part."""
+    kind = " ".join(words) if words else None
     if reference:
         print_reference()
     elif kind in ("environment", "environments"):
@@ -72,7 +66,7 @@ def run(kind: str | None, *, as_json: bool) -> None:
     try:
         found = find_models(kind)
     except PlugError as error:
-        raise PlugError(f"{error}{_in_library(kind or '')}") from None
+        raise PlugError(f"{error}{in_library(kind or '')}") from None
     if as_json:
         print_json({
             "models": [
@@ -85,5 +79,5 @@ def run(kind: str | None, *, as_json: bool) -> None:
     rows = [(name, model.formula, f"{model.source} ({model.source.status})") for name, model in found.items()]
     out = console()
     print_table(out, table("Hazard models and accelerations", ("model", "formula", "source"), rows))
-    if kind and (hint := _in_library(kind)):
+    if kind and (hint := in_library(kind)):
         out.print(hint.removeprefix("; "), markup=False, soft_wrap=True)

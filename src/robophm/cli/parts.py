@@ -12,6 +12,7 @@ from rich.console import Console
 from robophm.cli.shared.options import Json
 from robophm.cli.shared.output import console, print_json, print_table, table
 from robophm.cli.shared.unused import refuse_unused
+from robophm.cli.shared.where_else import in_handbooks
 from robophm.core.errors import PlugError
 from robophm.design.naming import quoted
 from robophm.parts import GRADES, Entry, library, search
@@ -36,7 +37,8 @@ def run(words: str, *, as_json: bool) -> None:
     """List the entries that fit, or print the one of that name. Raises PlugError where nothing fits."""
     found = [library()[words]] if words in library() else search(words) if words else list(library().values())
     if not found:
-        raise PlugError(f"no part '{words:.60}' in the library; expected other words: robophm parts lists all")
+        elsewhere = in_handbooks(words) or "; expected other words: robophm parts lists all"
+        raise PlugError(f"no part '{words:.60}' in the library{elsewhere}")
     if as_json:
         print_json({"parts": [asdict(entry) for entry in found]})
     elif words in library():

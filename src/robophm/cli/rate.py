@@ -11,7 +11,8 @@ import typer
 from robophm.cli.shared.options import Json
 from robophm.cli.shared.output import console, print_json, print_table, table
 from robophm.cli.shared.unused import refuse_unused
-from robophm.core.errors import ModelError
+from robophm.cli.shared.where_else import in_library
+from robophm.core.errors import ModelError, PlugError
 from robophm.core.units import in_unit
 from robophm.hazard.answer import Answer, answer
 from robophm.hazard.environments import explained
@@ -38,7 +39,10 @@ def command(
         refuse_unused("the list of models", ())
         print_models(as_json=as_json)
         return
-    chosen, given = handbook_model(model), pairs(set_ or [])
+    try:
+        chosen, given = handbook_model(model), pairs(set_ or [])
+    except PlugError as error:
+        raise PlugError(f"{error}{'' if 'did you mean' in str(error) else in_library(model)}") from None
     if unit is not None:
         in_unit(0.0, chosen.unit, unit)
     if not given and chosen.must_be_given:

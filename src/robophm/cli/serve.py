@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from robophm.cli.shared.fleet import Fleet, fleet_address, sender
 from robophm.cli.shared.options import GrowingStore, Notify
 from robophm.cli.shared.output import console, may_write, warn
 from robophm.cli.shared.stored_past import files_of
@@ -42,6 +44,8 @@ class Wishes:
     key: Path | None = None
     proxies: Sequence[str] = ()
     """Addresses of reverse proxies that are believed when they say who asks."""
+    fleet: str | None = None
+    """The address at which a fleet takes the robot's reports."""
 
 
 def command(
@@ -64,6 +68,7 @@ def command(
     ] = None,
     speed: Annotated[float, typer.Option(help="of a recording, as a multiple of its own")] = 1.0,
     notify: Notify = None,
+    fleet: Fleet = None,
     certificate: Annotated[
         Path | None, typer.Option(help="certificate for TLS, in PEM; else one is made where others reach the page")
     ] = None,
@@ -75,7 +80,7 @@ def command(
 ) -> None:
     """The page: design a robot, bind its sensors and watch its health, in any browser."""
     run(design, Wishes(host, port, store, journal, tuple(recordings or ()), synthetic, start, speed,
-                       no_store, tuple(notify or ()), certificate, key, tuple(proxy or ())))  # fmt: skip
+                       no_store, tuple(notify or ()), certificate, key, tuple(proxy or ()), fleet))  # fmt: skip
 
 
 def own_store(design: Path) -> str | None:
@@ -97,7 +102,7 @@ def run(design: Path, wishes: Wishes) -> None:
     """Serve the page until interrupted. Raises RobophmError."""
     if wishes.start is None:
         used = ("design", "host", "port", "store", "no_store", "journal", "recordings", "synthetic", "notify",
-                "certificate", "key", "proxy")  # fmt: skip
+                "certificate", "key", "proxy", "fleet")  # fmt: skip
         refuse_unused("a page on which nothing is watched at once (--start)", used)
     from robophm.transports.recordings.files import recordings_in
 
@@ -121,14 +126,18 @@ def run(design: Path, wishes: Wishes) -> None:
     settings = Settings(
         design, wishes.store or own, wishes.journal, recordings_in(wishes.recordings), 1 if wishes.synthetic else None,
         wishes.host, tuple(wishes.proxies), wishes.certificate, wishes.key, own_store=own is not None,
-        notify=tuple(wishes.notify),
+        notify=tuple(wishes.notify), for_fleet=wishes.fleet is not None,
     )  # fmt: skip
+    fleet = fleet_address(wishes.fleet, wishes.store or own) if wishes.fleet else None
+    sends = ExitStack()
 
     def ready(address: str, service: Service, stop: Callable[[], None]) -> None:
         if not service.workspace.lasting:
             warn(f"{design.parent}: cannot be written; edits cannot be saved, and are kept only until this ends")
         if service.workspace.begun:
             warn(f"{design}: no such file; the page begins a new robot, and saving makes the file")
+        if fleet:
+            sends.enter_context(sender(wishes.store or own or "", service.prepared().robot.identity, fleet))
         if wishes.start:
             service.keep_watching(wishes.start, wishes.speed)
         console().print(f"{design} is served at {address} until Ctrl+C", markup=False, soft_wrap=True)
@@ -140,4 +149,5 @@ def run(design: Path, wishes: Wishes) -> None:
         where = f"in {place_of(settings.store)}" if settings.store else "only until then"
         console().print(f"The robot's past is kept {where}", markup=False, soft_wrap=True)
 
-    serve(settings, wishes.port, ready)
+    with sends:
+        serve(settings, wishes.port, ready)

@@ -1,4 +1,4 @@
-"""``robophm service``: a part of a robot was replaced or repaired; its ledger knows from then on."""
+"""``robophm service``: a part of a robot failed, was replaced or repaired; its ledger knows from then on."""
 
 from __future__ import annotations
 
@@ -26,7 +26,9 @@ def command(
         float | None,
         typer.Option(help="it was repaired: the share of its age that remains, 0 as new, 1 as before", metavar="SHARE"),
     ] = None,
-    failed: Annotated[bool, typer.Option("--failed", help="it had failed; else it was served before")] = False,
+    failed: Annotated[
+        bool, typer.Option("--failed", help="it had failed; else it was served before. Alone: nothing was done yet")
+    ] = False,
     by: Annotated[str, typer.Option(help="who says so", metavar="NAME")] = "",
     note: Annotated[str, typer.Option(help="what is to be remembered of it", metavar="TEXT")] = "",
     wait: Annotated[
@@ -35,16 +37,20 @@ def command(
     history: Annotated[bool, typer.Option("--history", help="list every service of it so far")] = False,
     as_json: Json = False,
 ) -> None:
-    """Tell a robot's ledger that a part was replaced, or repaired."""
-    if replaced + (repaired is not None) != 1 and not (history and not replaced and repaired is None):
-        raise RobophmError("was it replaced or repaired? expected --replaced or --repaired SHARE, or --history to look")
-    if failed and not replaced and repaired is None:
-        raise RobophmError("--failed says why it was served; expected --replaced or --repaired SHARE with it")
-    if (by or note) and not replaced and repaired is None:
-        raise RobophmError("--by and --note are of a service; expected --replaced or --repaired SHARE with them")
+    """Tell a robot's ledger that a part was replaced or repaired, or that it failed."""
+    served = replaced + (repaired is not None)
+    told = served == 1 or (served == 0 and failed)
+    if served > 1 or not (told or history):
+        raise RobophmError(
+            "was it replaced or repaired, or has it failed? expected --replaced, --repaired SHARE or --failed, or "
+            "--history to look"
+        )
+    if (by or note) and not told:
+        raise RobophmError("--by and --note are of a service; expected --replaced, --repaired SHARE or --failed too")
     robot, some = load(design), []
-    if replaced or repaired is not None:
-        some = note_service(store, robot, ServiceNote(part, repaired, failed, by, note), wait=wait)
+    if told:
+        said = ServiceNote(part, repaired, failed, by, note, waits=not served)
+        some = note_service(store, robot, said, wait=wait)
     if history:
         with stored_past(store, robot) as (_, ledger):
             some = services_of(robot, ledger, part)
@@ -54,13 +60,14 @@ def command(
     paths = {mode.key: mode.path for mode in robot.modes}
     out = console()
     if not some:
-        out.print(f"{part}: neither replaced nor repaired so far", markup=False)
+        out.print(f"{part}: has not failed, and was neither replaced nor repaired so far", markup=False)
     for one in some:
         path = paths[one.mode]
         when = moment_text(one.time) if one.time > SECOND else "before its first recording"
+        done = f", at an effective age of {number_text(one.before[1])}"
+        if one.kind != "failed":
+            done = f"{' after it failed' if one.failed else ''}{done}; goes on at {number_text(one.after[1])}"
         out.print(
-            f"{when}: {path} {one.kind}{' after it failed' if one.failed else ''}, at an effective age of "
-            f"{number_text(one.before[1])}; goes on at {number_text(one.after[1])}"
-            f"{f', by {one.by}' if one.by else ''}{f': {one.note}' if one.note else ''}",
+            f"{when}: {path} {one.kind}{done}{f', by {one.by}' if one.by else ''}{f': {one.note}' if one.note else ''}",
             markup=False, soft_wrap=True,
         )  # fmt: skip

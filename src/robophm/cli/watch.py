@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from threading import Timer
 from types import FrameType
@@ -19,6 +20,7 @@ from rich.console import Console
 from rich.live import Live
 
 from robophm.cli import BREACHED
+from robophm.cli.shared.fleet import Fleet, fleet_address, sender
 from robophm.cli.shared.health_output import print_report
 from robophm.cli.shared.live_table import LiveTable
 from robophm.cli.shared.options import Design, GrowingStore, Json, Notify, Unit, Via
@@ -27,6 +29,7 @@ from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.task_words import stated_speed
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.counted_notes import FreshNotes
+from robophm.core.errors import RobophmError
 from robophm.core.json_values import plain
 from robophm.core.supervisor import Supervisor
 from robophm.design.file import load
@@ -38,6 +41,7 @@ from robophm.monitoring.alarm_watch import AlarmWatch
 from robophm.monitoring.live_loop import watch
 from robophm.monitoring.notices import Notices
 from robophm.monitoring.recording_sessions import missing_signals
+from robophm.monitoring.service_notes import note_service
 from robophm.monitoring.task_assessor import TaskAssessor
 from robophm.report.alarms import alarm_text
 from robophm.report.wear import ranked
@@ -45,10 +49,12 @@ from robophm.report.words import duration_text, number_text, probability_text, r
 from robophm.stores import open_store
 from robophm.stores.alarm_log import AlarmsInMemory
 from robophm.stores.store import Store
-from robophm.transports.health_topics import HealthTopics, Outlet, TaskService
+from robophm.transports.health_topics import HealthTopics, Outlet, PartReports, TaskService
 from robophm.transports.recordings.journal import Journal
+from robophm.transports.running_robot import Live as RunningRobot
 from robophm.transports.running_robot import open_live
 from robophm.transports.signals.report_sink import JudgedTask, ReportSink
+from robophm.transports.signals.source import LiveSource
 from robophm.transports.tasks.listener import topics_to_hear
 
 QUICK_END = 3.0
@@ -78,16 +84,24 @@ class Watched:
     """Addresses that are told of alarms."""
     unit: str
     as_json: bool
+    reports: bool = False
+    """Whether the robot may tell of its parts that they failed or were served."""
+    fleet: str | None = None
+    """The address at which a fleet takes the robot's reports."""
 
 
 def _only(asked: Watched) -> None:
     """Refuse what is not used for what is asked."""
     used = ["via", "store", "notify", "journal", "period", "every", "publish", "namespace", "tasks", "speed"]
-    used += ["function"]
+    used += ["function", "reports", "fleet"]
     if asked.as_json:
         refuse_unused("JSON, in 1/h", [*used, "frame"])
     if not asked.publish:
         refuse_unused("a robot whose health is not published", [*used, "unit"])
+    if asked.reports and not asked.publish:
+        raise RobophmError("reports of parts are taken where health is published; expected no --no-publish")
+    if asked.reports and not asked.store:
+        raise RobophmError("reports of parts go into the robot's past; expected --store with --reports")
 
 
 def command(
@@ -111,13 +125,17 @@ def command(
     ] = None,
     function: Annotated[list[str] | None, typer.Option(help="that tasks need; default the whole robot")] = None,
     notify: Notify = None,
+    reports: Annotated[
+        bool, typer.Option("--reports", help="let anybody on ROS tell that parts failed or were served")
+    ] = False,
+    fleet: Fleet = None,
     unit: Unit = "1/h",
     as_json: Json = False,
 ) -> None:
     """The health of a robot that runs, from ROS or MQTT and back to it, until it is interrupted."""
     asked = Watched(
         via, store, journal, period, every, namespace, publish, frame, tuple(tasks or ()), speed, tuple(function or ()),
-        tuple(notify or ()), unit, as_json,
+        tuple(notify or ()), unit, as_json, reports, fleet,
     )  # fmt: skip
     if run(design, asked):
         raise typer.Exit(BREACHED)
@@ -156,6 +174,7 @@ def run(design: Path, asked: Watched) -> bool:
     for name in asked.functions:
         robot.diagram_of(name)  # which must be there
     speed = stated_speed(asked.speed)
+    fleet = fleet_address(asked.fleet, asked.store) if asked.fleet else None
     for warning in robot.warnings:
         warn(warning)
     supervisor = Supervisor()
@@ -165,33 +184,12 @@ def run(design: Path, asked: Watched) -> bool:
         source = stack.enter_context(opened.source)
         ends += [source.stop, source.close]
         print(opened.said, file=sys.stderr)
-        published = {info.topic: (info.type, info.fields) for info in source.topics()}
-        if not published:
-            warn(f"nothing is published yet at {source.place}")
-            for hint in source.hidden_by():
-                warn(hint, "hint")
-        lacks = missing_signals(robot, published)
-        not_yet = "nobody publishes yet" if opened.source.announced else "nothing was heard yet on"
-        for words in dict.fromkeys(lacks.values()):
-            warn(words.replace("the recording has no topic", not_yet))
+        _say_what_is_missing(robot, source)
         kept = stack.enter_context(open_store(asked.store)) if asked.store else None
+        sends = stack.enter_context(sender(asked.store, robot.identity, fleet)) if asked.store and fleet else None
         written = stack.enter_context(Journal(asked.journal, robot.signals)) if asked.journal else None
-        sinks = []
-        assessor = None
-        if asked.publish and not opened.publisher:
-            warn(f"health is not published: {source.place} takes no messages of ROS")
-        elif asked.publish and opened.publisher:
-            outlet = Outlet(opened.generation, opened.node, opened.publisher, opened.server)
-            topics = stack.enter_context(HealthTopics(robot, outlet, namespace=asked.namespace, frame=asked.frame))
-            sinks.append(topics)
-            assessor = TaskAssessor(robot)
-            service = TaskService(outlet, assessor, asked.namespace)
-            if service.unknown:
-                warn(f"not served: {service.unknown}")
-            if topics.left_out:
-                warn(f"{topics.left_out} parts have no topic of their own: there are too many")
-            for words in topics.unknown.values():
-                warn(f"not published: {words}")
+        topics, assessor = _to_ros(robot, opened, asked)
+        sinks = [stack.enter_context(topics)] if topics else []
 
         out = console()
         to_terminal = out.is_terminal and not asked.as_json
@@ -204,13 +202,53 @@ def run(design: Path, asked: Watched) -> bool:
                 task_topics=topics_to_hear(asked.tasks, asked.namespace, source.task_topics), speed=speed,
                 functions=asked.functions, on_clock=warn, on_start=lambda _: supervisor.ready("watching"),
                 on_tick=supervisor.alive, alarms=_alarms(robot, kept, [*sinks, shown], notices),
-                assessor=assessor,
+                assessor=assessor, for_fleet=fleet is not None,
             )  # fmt: skip
         supervisor.ending()
         notices.close()
+        if sends:
+            sends.close()
         health = monitor.report(alarms=True)
         _say_at_end(health, source.notes + notices.notes, asked)
     return bool(health.breaches)
+
+
+def _to_ros(robot: Robot, opened: RunningRobot, asked: Watched) -> tuple[HealthTopics | None, TaskAssessor | None]:
+    """Publish health and serve those who ask, as far as that is wanted and can be; what cannot be is warned of."""
+    if asked.reports and not opened.server:
+        warn(f"reports of parts are not taken: {opened.source.place} has no services")
+    if not asked.publish:
+        return None, None
+    if not opened.publisher:
+        warn(f"health is not published: {opened.source.place} takes no messages of ROS")
+        return None, None
+    outlet = Outlet(opened.generation, opened.node, opened.publisher, opened.server)
+    topics = HealthTopics(robot, outlet, namespace=asked.namespace, frame=asked.frame)
+    assessor = TaskAssessor(robot)
+    unserved = [TaskService(outlet, assessor, asked.namespace).unknown]
+    if asked.reports and opened.server:
+        note = partial(note_service, asked.store or "", robot)
+        unserved.append(PartReports(outlet, robot, lambda said, key: note(said, key=key), asked.namespace).unknown)
+    for words in filter(None, unserved):
+        warn(f"not served: {words}")
+    if topics.left_out:
+        warn(f"{topics.left_out} parts have no topic of their own: there are too many")
+    for words in topics.unknown.values():
+        warn(f"not published: {words}")
+    return topics, assessor
+
+
+def _say_what_is_missing(robot: Robot, source: LiveSource) -> None:
+    """Warn of signals of the design that nobody publishes yet."""
+    published = {info.topic: (info.type, info.fields) for info in source.topics()}
+    if not published:
+        warn(f"nothing is published yet at {source.place}")
+        for hint in source.hidden_by():
+            warn(hint, "hint")
+    lacks = missing_signals(robot, published)
+    not_yet = "nobody publishes yet" if source.announced else "nothing was heard yet on"
+    for words in dict.fromkeys(lacks.values()):
+        warn(words.replace("the recording has no topic", not_yet))
 
 
 def _say_at_end(health: HealthReport, notes: Mapping[str, int], asked: Watched) -> None:

@@ -107,11 +107,12 @@ class Seen(NamedTuple):
 
 
 class Service(NamedTuple):
-    """A part put in new or repaired: what its failure mode had behind it, and what it has from then on."""
+    """A part put in new, repaired or failed: what its failure mode had behind it, and what it has from then on."""
 
     time: int
     mode: str
-    kind: Literal["replaced", "repaired"]
+    kind: Literal["replaced", "repaired", "failed"]
+    """``failed``: it has failed, and nothing was done about it yet."""
     failed: bool
     """Whether this mode had failed; else its part was served in time."""
     before: tuple[float, float, float]
@@ -186,7 +187,7 @@ class Ledger:
     seen: dict[str, Seen] = field(default_factory=dict)
     """Sums of each mode when its part was last known to work."""
     services: list[Service] = field(default_factory=list)
-    """Every replacement and repair, in order of time: what was there before stays known."""
+    """Every failure, replacement and repair, in order of time: what was there before stays known."""
     wear: dict[str, WearCourse] = field(default_factory=dict)
     """Readings of wear of each mode, by its key, since its part was put in or repaired."""
     begun: dict[str, int] = field(default_factory=dict)
@@ -243,6 +244,17 @@ class Ledger:
         wear = {key: course.copy() for key, course in self.wear.items()}
         return replace(self, **totals, **{name: getattr(self, name).copy() for name in kept}, wear=wear)
 
+    @property
+    def failed(self) -> frozenset[str]:
+        """Return the modes, by key, by which parts failed that were neither replaced nor repaired since."""
+        last = {one.mode: one.kind for one in self.services}
+        return frozenset(mode for mode, kind in last.items() if kind == "failed")
+
+    def fail(self, mode: str) -> None:
+        """Record that the part of this mode, by key, has failed by it; its sums stay as they are."""
+        sums = self._sums(mode)
+        self.services.append(Service(self.integrated_to or 0, mode, "failed", True, sums, sums))
+
     def replace(self, modes: Iterable[str], failed: Collection[str] = ()) -> None:
         """Begin the sums of these modes, by key, anew, as of new parts; the modes in ``failed`` had failed."""
         for key in modes:
@@ -258,13 +270,18 @@ class Ledger:
         self, key: str, kind: Literal["replaced", "repaired"], failed: bool, after: tuple[float, float, float]
     ) -> None:
         i, now = self.modes.index(key), self.integrated_to or 0
-        totals = (self.age, self.effective, self.hazard)
-        age, effective, hazard = (float(total.high[i] + total.low[i]) for total in totals)
-        self.services.append(Service(now, key, kind, failed, (age, effective, hazard), after))
-        for total, value in zip(totals, after, strict=True):
+        failed = failed or key in self.failed
+        self.services.append(Service(now, key, kind, failed, self._sums(key), after))
+        for total, value in zip((self.age, self.effective, self.hazard), after, strict=True):
             total.high[i], total.low[i] = value, 0.0
         self.replaced[key] = now
         self.wear.pop(key, None)
+
+    def _sums(self, key: str) -> tuple[float, float, float]:
+        """Age, effective age and cumulative hazard of a mode."""
+        i = self.modes.index(key)
+        age, effective, hazard = (float(one.high[i] + one.low[i]) for one in (self.age, self.effective, self.hazard))
+        return age, effective, hazard
 
     def remember(self, new: Step) -> None:
         """Append a stretch of the past to the recent steps and the history, newest last."""

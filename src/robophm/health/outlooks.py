@@ -77,8 +77,19 @@ def as_lived(
         usage_now=usage,
         future=Future.steady(future, plant, factor, ahead, plant.robot.usage.operating),
         inputs={} if future == "nominal" else exposure.recent_inputs(ledger),
-        knowledge=knowledge or Knowledge(),
+        knowledge=_with_failures(plant, ledger, knowledge or Knowledge()),
     )
+
+
+def _with_failures(plant: Plant, ledger: Ledger, knowledge: Knowledge) -> Knowledge:
+    """What is known, and what the ledger knows to have failed, unless it is said to work."""
+    if not ledger.services or not (failed := ledger.failed):
+        return knowledge
+    units = {
+        unit for i, mode in enumerate(plant.robot.modes) if mode.key in failed
+        for unit in plant.components[int(plant.part[i])].units
+    }  # fmt: skip
+    return Knowledge(knowledge.failed | (units - knowledge.working), knowledge.working)
 
 
 def _initial(plant: Plant, ledger: Ledger) -> Array:

@@ -88,7 +88,8 @@ def dues(
     parts = [i for i, part in enumerate(plant.components) if part not in plant.robot.causes]
     rows = {i: np.arange(plant.first_mode[i], plant.first_mode[i + 1]) for i in parts}
     seen = {one.mode: one for one in wear}
-    alarmed = alarms or {}
+    lost = ledger.failed if ledger else frozenset()
+    alarmed = {**(alarms or {}), **{mode.path: "it has failed" for mode in plant.robot.modes if mode.key in lost}}
 
     def urgent(i: int) -> tuple[bool, bool, float]:
         part = plant.components[i]
@@ -108,7 +109,8 @@ def _of_part(
     alarms: Mapping[str, str], risk: float, ledger: Ledger | None,
 ) -> PartDue:  # fmt: skip
     keys = {mode.key for mode in part.modes}
-    served = next((one for one in reversed(ledger.services if ledger else ()) if one.mode in keys), None)
+    done = [one for one in ledger.services if one.mode in keys and one.kind != "failed"] if ledger else []
+    served = done[-1] if done else None
     wears = [seen[mode.path] for mode in part.modes if mode.path in seen]
     said = "; ".join(f"{one.signal} {one.says}" for one in wears)
     alone = apart(outlook.plant).isdisjoint(rows.tolist())

@@ -145,8 +145,8 @@ class HealthReport:
         """Return the state of the robot and all that has thresholds in it, in one word."""
         if self.breaches:
             return "error"
-        if self.system.state == "stale":
-            return "stale"
+        if self.system.state in ("error", "stale"):
+            return self.system.state
         return "warn" if self.warnings or self.system.flags else "ok"
 
     @property

@@ -28,6 +28,7 @@ from robophm.health.report import VIEWS, ComponentHealth, HealthReport
 from robophm.health.subject import (
     CLOCK_OFF,
     DOUBTFUL,
+    FAILED,
     STALE,
     Figures,
     Subject,
@@ -261,9 +262,11 @@ def _marks(
     modes: Sequence[FailureMode], ledger: Ledger, silent: Mapping[str, int | None], wear: Sequence[SeenWear],
     doubtful: Sequence[Doubt], *signals: str,
 ) -> _Marks:  # fmt: skip
-    """Marks on figures of failure modes: silent and doubtful signals that they hang on, models outside their range,
-    their wear."""
+    """Marks on figures of failure modes: those by which parts have failed, silent and doubtful signals that they hang
+    on, models outside their range, their wear."""
     worn = wear_flags(wear, (mode.path for mode in modes)) if wear else ()
+    if ledger.services and (lost := ledger.failed):
+        worn = (*(f"{FAILED}{mode.path}" for mode in modes if mode.key in lost), *worn)
     mixed = {key.removeprefix(REORDERED) for key in ledger.counts if key.startswith(REORDERED)}
     if not silent and not mixed and not doubtful and not any(ledger.extrapolated.values()):
         return _Marks(worn)

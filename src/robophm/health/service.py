@@ -1,4 +1,4 @@
-"""A part is replaced or repaired: what its failure modes have behind them from then on."""
+"""A part fails, is replaced or repaired: what its failure modes have behind them from then on."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ MOST_WORDS = 1000
 
 @dataclass(frozen=True)
 class ServiceNote:
-    """A person says that a part, or one failure mode of it, was served."""
+    """A person, or the robot itself, says that a part, or one failure mode of it, was served or has failed."""
 
     part: str
     """Path of the component, or of its failure mode."""
@@ -45,9 +45,13 @@ class ServiceNote:
     """Whether it had failed; else it was served in time."""
     by: str = ""
     note: str = ""
+    waits: bool = False
+    """Whether nothing was done yet: it has ``failed``, and waits to be replaced or repaired."""
 
     def __post_init__(self) -> None:
         """Raise RobophmError for a share that is none, or words that are too long or no text."""
+        if self.waits and (not self.failed or self.remaining is not None):
+            raise RobophmError("what waits to be replaced or repaired is neither yet; expected that it has failed")
         if self.remaining is not None:
             number(self.remaining, "the share of its age that remains", high=1.0)
         for name, said, most in (("by", self.by, MOST_WORDS // 10), ("note", self.note, MOST_WORDS)):
@@ -55,8 +59,8 @@ class ServiceNote:
                 raise RobophmError(f"{name} {said!r:.60}: expected one line of at most {most} characters")
 
     def to_json(self) -> dict[str, Any]:
-        """Return the note as plain values for JSON."""
-        return asdict(self)
+        """Return the note as plain values for JSON; who never heard of parts that wait reads all others."""
+        return {name: value for name, value in asdict(self).items() if name != "waits" or value}
 
     @classmethod
     def of(cls, data: Mapping[str, Any]) -> Self:
@@ -71,7 +75,9 @@ def take_note(robot: Robot, ledger: Ledger, said: ServiceNote) -> list[Service]:
     it failed.
     """
     before = len(ledger.services)
-    if said.remaining is None:
+    if said.waits:
+        fail(robot, ledger, said.part)
+    elif said.remaining is None:
         replace(robot, ledger, said.part, failed=said.failed)
     else:
         repair(robot, ledger, said.part, said.remaining, failed=said.failed)
@@ -101,30 +107,62 @@ def find(robot: Robot, path: str) -> tuple[Component, tuple[FailureMode, ...]]:
 
 
 def services_of(robot: Robot, ledger: Ledger, path: str) -> list[Service]:
-    """Return the services so far of a component, or of one of its failure modes, by its path. Raises RobophmError."""
+    """Return failures and services so far of a component, or one of its failure modes, by its path; or RobophmError."""
     keys = {mode.key for mode in find(robot, path)[1]}
     return [service for service in ledger.services if service.mode in keys]
+
+
+def fail(robot: Robot, ledger: Ledger, path: str) -> None:
+    """Note that a component, or one failure mode of it, has failed, and waits to be replaced or repaired.
+
+    Raises RobophmError, also where it has failed already, and for several equal parts, of which it is not known which.
+    """
+    part, modes = find(robot, path)
+    if part.quantity > 1:
+        raise RobophmError(
+            f"'{path}': a ledger does not tell the {part.quantity} equal parts of '{part.path}' apart; expected a "
+            "design that has them as components of their own, or that one was replaced or repaired"
+        )
+    if any(mode.key in ledger.failed for mode in part.modes):
+        raise RobophmError(f"'{part.path}' has failed already; expected that it is replaced or repaired first")
+    for mode in _failed(part, modes, ledger, failed=True):
+        ledger.fail(mode.key)
+
+
+def failures(ledger: Ledger) -> list[Service]:
+    """Return the failures that a ledger knows of, each once: as it was noted, else with the service that followed."""
+    found, waits = [], set[str]()
+    for one in ledger.services:
+        if one.failed and one.mode not in waits:
+            found.append(one)
+        waits = waits | {one.mode} if one.kind == "failed" else waits - {one.mode}
+    return found
 
 
 def replace(robot: Robot, ledger: Ledger, path: str, *, failed: bool) -> None:
     """Put a component in new; ``failed``: that it, or the failure mode named, had failed. Raises RobophmError."""
     part, modes = find(robot, path)
-    ledger.replace([mode.key for mode in part.modes], [mode.key for mode in _failed(part, modes, failed)])
+    broken = _failed(part, modes, ledger, failed=failed)
+    ledger.replace([mode.key for mode in part.modes], [mode.key for mode in broken])
 
 
 def repair(robot: Robot, ledger: Ledger, path: str, remaining: float, *, failed: bool) -> None:
     """Leave a share of the effective age of a component, or of one failure mode: 0 as new, 1 as before the repair.
 
-    Kijima's second model (1989): V ← q·V. Raises RobophmError where the share is none, or the part is not there.
+    Kijima's second model (1989): V ← q·V, its age when it failed, where that was noted. Raises RobophmError where the
+    share is none, or the part is not there.
     """
     if not 0 <= remaining <= 1:
         raise RobophmError(f"{remaining:g} of the age remains; expected 0 (as good as new) to 1 (as before)")
     part, modes = find(robot, path)
-    broken = _failed(part, modes, failed)
+    broken = _failed(part, modes, ledger, failed=failed)
+    last = {one.mode: one for one in ledger.services if one.kind == "failed"}
     for mode in modes:
         i = ledger.modes.index(mode.key)
         initial = 0.0 if mode.key in ledger.replaced else mode.initial_exposure
         age, effective, hazard = (float(total.value[i]) for total in (ledger.age, ledger.effective, ledger.hazard))
+        if mode.key in ledger.failed:
+            age, effective, hazard = last[mode.key].before
         left = remaining * (initial + age)
         if mode.scaling == "hazard":  # what its stress has gathered shrinks as its hazard by design does
             past, designed = (float(mode.life.increment(0.0, one)) for one in (initial, initial + age))
@@ -132,7 +170,12 @@ def repair(robot: Robot, ledger: Ledger, path: str, remaining: float, *, failed:
         ledger.repair(mode.key, (left, remaining * (initial + effective), hazard), failed=mode in broken)
 
 
-def _failed(part: Component, modes: tuple[FailureMode, ...], failed: bool) -> tuple[FailureMode, ...]:
+def _failed(
+    part: Component, modes: tuple[FailureMode, ...], ledger: Ledger, *, failed: bool
+) -> tuple[FailureMode, ...]:
+    """The modes by which it failed, as is said now or was noted before. Raises RobophmError where that is not known."""
+    if noted := tuple(mode for mode in modes if mode.key in ledger.failed):
+        return noted
     if failed and len(modes) > 1:
         names = ", ".join(f"'{mode.path}'" for mode in part.modes)
         raise RobophmError(f"'{part.path}' failed, but by which of its modes is not said; expected one of {names}")
@@ -140,7 +183,10 @@ def _failed(part: Component, modes: tuple[FailureMode, ...], failed: bool) -> tu
 
 
 def service_intervals(robot: Robot, ledger: Ledger) -> Iterator[ExposureBetweenServices]:
-    """Return the exposure of every failure mode, service by service, and since the last one."""
+    """Return the exposure of every failure mode, service by service, and since the last one.
+
+    What passes from a failure to its repair is lived by nobody.
+    """
     of: dict[str, list[Service]] = {}
     for service in ledger.services:
         of.setdefault(service.mode, []).append(service)
@@ -149,8 +195,13 @@ def service_intervals(robot: Robot, ledger: Ledger) -> Iterator[ExposureBetweenS
             i = ledger.modes.index(mode.key)
             last = float(ledger.age.value[i]), float(ledger.effective.value[i]), float(ledger.hazard.value[i])
             initial, begun = mode.initial_exposure, (0.0, 0.0, 0.0)
-            ends = [(one.before, one.failed, one.after) for one in of.get(mode.key, [])]
-            for end, failed, after in [*ends, (last, False, last)]:
+            ends = [(one.before, one.failed, one.after, one.kind) for one in of.get(mode.key, [])]
+            waits = False
+            for end, failed, after, kind in [*ends, (last, False, last, "")]:
+                waited, waits = waits, kind == "failed"
+                if waited:
+                    initial, begun = 0.0, after
+                    continue
                 start, until = initial + begun[1], initial + end[1]
                 hazard = end[2] - begun[2]
                 if mode.scaling == "age":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
@@ -19,6 +20,9 @@ State = Literal["ok", "warn", "error", "stale"]
 
 DOUBTFUL = "doubtful "
 """The flag of figures that rest on a signal that may not be true, before its name."""
+
+FAILED = "has failed: "
+"""The beginning of the flag of figures of what a part is in that has failed, and was not repaired yet."""
 
 CLOCK_OFF = "clock not plausible"
 """The flag of a robot whose time goes on without its machine's clock."""
@@ -136,13 +140,14 @@ class Subject:
     @property
     def state(self) -> State:
         """Return the state in one word. It is stale where a sensor is silent and no threshold is known to be broken,
-        and never plainly ok where parts of unknown rate are left out, a part is worn, or a signal or the clock is
-        doubtful."""
-        if self.breaches:
+        and never plainly ok where parts of unknown rate are left out, a part is worn or has failed, or a signal or the
+        clock is doubtful."""
+        lost = math.isinf(self.sensor_based.hazard_rate) and any(flag.startswith(FAILED) for flag in self.flags)
+        if self.breaches or lost:
             return "error"
         if self.stale:
             return "stale"
-        marked = any(flag.startswith((WEAR, DOUBTFUL, CLOCK_OFF)) for flag in self.flags)
+        marked = any(flag.startswith((WEAR, DOUBTFUL, CLOCK_OFF, FAILED)) for flag in self.flags)
         return "warn" if self.warnings or self.unknown or marked else "ok"
 
 

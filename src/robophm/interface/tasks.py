@@ -87,8 +87,9 @@ def service(
 ) -> list[Service]:  # fmt: skip
     """Tell a robot's ledger in a store that a part, or its failure mode, was replaced or repaired; return its services.
 
-    ``repaired``: the share of its age that remains, 0 as new; ``failed``: it had failed; ``by`` whom, and a ``note``.
-    Where another process goes on with the robot's past, it is asked, and answers within ``wait`` [s]. Without either
+    ``repaired``: the share of its age that remains, 0 as new; ``failed``: it had failed, and alone: it has, and waits
+    for one of both; ``by`` whom, and a ``note``.
+    Where another process goes on with the robot's past, it is asked, and answers within ``wait`` [s]. Without any
     all its services so far are returned, and nothing is written. Raises RobophmError, with the nearest name, for a part
     that is not there.
     """
@@ -99,13 +100,12 @@ def service(
     share = None if repaired is None else number(repaired, "repaired", high=1.0)
     if replaced and share is not None:
         raise RobophmError("replaced and repaired: expected one of both")
-    if failed and not replaced and share is None:
-        raise RobophmError("failed says why it was served; expected replaced or repaired with it")
     if store is None:
         raise RobophmError("store None: expected where the robot's past is kept")
-    if replaced or share is not None:
+    if replaced or failed or share is not None:
         instance(by, str, "by", "a name")
         instance(note, str, "note", "a text")
-        note_service(store, found, services.ServiceNote(part, share, failed, by, note), wait=number(wait, "wait"))
+        said = services.ServiceNote(part, share, failed, by, note, waits=not replaced and share is None)
+        note_service(store, found, said, wait=number(wait, "wait"))
     with stored_past(store, found) as (_, ledger):
         return services.services_of(found, ledger, part)

@@ -25,6 +25,7 @@ from robophm.monitoring.silent_signals import SilentSignals
 from robophm.monitoring.task_assessor import TaskAssessor
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.stores.events import Event
+from robophm.stores.outbox import HORIZONS
 from robophm.stores.service_requests import WithdrawnError
 from robophm.stores.store import NoRoomError, Progress, Store, alone_soon
 from robophm.transports.recordings.journal import Journal
@@ -51,7 +52,7 @@ def watch(
     speed: float | None = None, functions: Sequence[str] = (),
     on_start: Callable[[Monitor], None] | None = None, on_tick: Callable[[Monitor], None] | None = None,
     on_task: Callable[[JudgedTask], None] | None = None, on_clock: Callable[[str], None] | None = None,
-    alarms: AlarmWatch | None = None, assessor: TaskAssessor | None = None,
+    alarms: AlarmWatch | None = None, assessor: TaskAssessor | None = None, for_fleet: bool = False,
 ) -> Monitor:  # fmt: skip
     """Listen until the source is closed, from where the store's ledger stands; return the monitor as it is then.
 
@@ -61,6 +62,8 @@ def watch(
     of them is not judged is in the source's notes. ``on_start`` is called before the first sample, ``on_tick`` after
     each step, ``alarms`` looks at each report that sinks are told, ``assessor`` sees the past that it is of,
     ``on_clock`` with words, at once, where the clock jumps ahead, or back so that nothing counts.
+
+    ``for_fleet``: the reports that are kept go into the store's outbox too, and state the probability of failing ahead.
 
     Where there are both a store and a journal, what an earlier watch wrote to that journal and could not save any more
     is taken into the ledger first.
@@ -72,7 +75,7 @@ def watch(
         return _Watch(
             robot=robot, source=source, store=store, journal=journal, period=period, sinks=sinks,
             task_topics=task_topics, speed=speed, functions=functions, on_start=on_start, on_tick=on_tick,
-            on_task=on_task, on_clock=on_clock, alarms=alarms, assessor=assessor,
+            on_task=on_task, on_clock=on_clock, alarms=alarms, assessor=assessor, for_fleet=for_fleet,
         ).run()  # fmt: skip
 
 
@@ -95,11 +98,15 @@ class _Watch:
     on_clock: Callable[[str], None] | None
     alarms: AlarmWatch | None
     assessor: TaskAssessor | None
+    for_fleet: bool
 
     def __post_init__(self) -> None:
         ledger = kept_ledger(self.robot, self.store) if self.store else None
         self._wear = WearWatch(self.robot, alarms=True)
-        self._course = ReportHistory(REPORT_STEP, ledger, self._wear.latest)
+        if self.store and self.for_fleet:
+            self.store.outboxes.of(self.robot.identity).begin()
+        horizons = HORIZONS if self.for_fleet else ()
+        self._course = ReportHistory(REPORT_STEP, ledger, self._wear.latest, horizons=horizons)
         self._saved = time.monotonic()
         self._key = f"journal {self.journal.path.resolve()}" if self.journal else ""
         self._mixed = Counter(ledger.counts if ledger else ())

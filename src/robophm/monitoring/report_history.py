@@ -14,7 +14,9 @@ from threading import Thread, current_thread, main_thread
 from typing import Any
 
 from robophm.core.errors import RobophmError
+from robophm.core.json_values import plain
 from robophm.design.robot import Robot
+from robophm.health.failure_within import failure_within
 from robophm.health.ledger import Ledger
 from robophm.health.worn import SeenWear
 from robophm.monitoring.monitor import Monitor
@@ -25,8 +27,10 @@ _WAITING = 2
 """Ledgers that may wait for each process: what is beyond that the process that asks reports on itself."""
 
 
-def _report(monitor: Monitor, wear: Sequence[SeenWear]) -> Report:
-    return monitor.report(remaining_life="robot", settled=False, wear=wear).to_json(failures_to_come=False)
+def _report(monitor: Monitor, wear: Sequence[SeenWear], horizons: Sequence[float] = ()) -> Report:
+    health = monitor.report(remaining_life="robot", settled=False, wear=wear)
+    report = health.to_json(failures_to_come=False)
+    return report | ({"failure_within": plain(failure_within(health, horizons))} if horizons else {})
 
 
 class ReportProcesses:
@@ -71,11 +75,13 @@ class ReportHistory:
         ledger: Ledger | None,
         wear: Callable[[Ledger], Sequence[SeenWear]],
         processes: ReportProcesses | None = None,
+        horizons: Sequence[float] = (),
     ) -> None:
-        """``step`` [ns]; a ledger that is gone on from has its report; ``wear``: what is foretold of it."""
+        """``step`` [ns]; a ledger that is gone on from has its report; ``wear``: what is foretold of it; ``horizons``
+        [h]: how far ahead reports that are made here state the probability of failing."""
         self._made: list[Report] = []
         self._asked: list[Future[Report]] = []
-        self._step, self._wear, self._processes = step, wear, processes
+        self._step, self._wear, self._processes, self._horizons = step, wear, processes, horizons
         self._reported = ledger.integrated_to if ledger else None
 
     @property
@@ -97,7 +103,7 @@ class ReportHistory:
             asked = self._processes and self._processes.report(monitor.ledger, wear)
             if not asked:
                 asked = Future()
-                asked.set_result(_report(monitor, wear))
+                asked.set_result(_report(monitor, wear, self._horizons))
             self._asked.append(asked)
         self._reported = now
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from functools import cache
 from itertools import islice, product, takewhile
 from typing import NamedTuple
@@ -56,6 +56,8 @@ _TRIED = 8
 _SMALL = frozenset(["a", "an", "and", "by", "for", "from", "in", "my", "of", "on", "or", "the", "to", "with"])
 _BEHIND = re.compile(r"\b(?:with|for|of|in|on|from)\b|[,(]")
 """Words behind which a name ends, and what is said of the thing begins."""
+_OTHERS = re.compile(r"\b(?:with|for)\b")
+"""Words behind which other things are named: what it has, and what it is for."""
 
 _OF_WHAT = frozenset(
     """
@@ -132,9 +134,13 @@ class _Asked(NamedTuple):
     head: frozenset[str]
     """Those of the word that says what it is."""
 
-    def counted(self, words: frozenset[str]) -> float:
-        """What the words asked for count beside a phrase of these words."""
-        return sum(min(said, _VERSION) if word in self.aside - words else said for word, said in self.weight.items())
+    others: frozenset[str]
+    """Those of other things: what it has, or is for."""
+
+    def counted(self, words: frozenset[str], of: Set[str] | None = None) -> float:
+        """What the words asked for, or some of them, count beside a phrase of these words."""
+        light, said = self.aside - words, self.weight
+        return sum(min(said[word], _VERSION) if word in light else said[word] for word in (said if of is None else of))
 
 
 def _fit(asked: _Asked, entry: _Indexed) -> _Fit:
@@ -144,6 +150,8 @@ def _fit(asked: _Asked, entry: _Indexed) -> _Fit:
         asked = asked._replace(weight=weight)
     best, all_known = 0.0, weight.keys() <= entry.all
     for phrase in entry.phrases:
+        if phrase.head in asked.others:
+            continue  # a motor with encoder is no encoder
         if phrase.head in weight or entry.often & weight.keys():
             shared = sum(weight[word] for word in phrase.words & weight.keys())
             fit = 2 * shared / (phrase.size + asked.counted(phrase.words))
@@ -153,8 +161,9 @@ def _fit(asked: _Asked, entry: _Indexed) -> _Fit:
             if fit >= ENOUGH:
                 called = 1.0 if phrase.head in weight else _ASIDE
                 best = max(best, fit * phrase.trust * called + _KIND * bool(asked.head & phrase.words))
-    known = sum(min(one, _VERSION) if word in asked.aside else one for word, one in weight.items() if word in entry.all)
-    return _Fit(known / asked.counted(frozenset()) if best else 0.0, best)
+    own = weight.keys() - asked.others
+    known = sum(min(weight[word], _VERSION) if word in asked.aside else weight[word] for word in own & entry.all)
+    return _Fit(known / asked.counted(frozenset(), own) if best else 0.0, best)
 
 
 @cache
@@ -204,11 +213,18 @@ def _american(word: str) -> str:
 
 
 def _singular(word: str) -> str:
-    """Without the ending of a plural; what is none loses it on both sides and is found all the same."""
+    """Without the ending of a plural; what is none loses it on both sides and is found all the same.
+
+    Fuses may be of a fuse or of a fus, lenses of a lense or a lens: both lose what tells them apart.
+    """
     if len(word) > 4 and word.endswith("ies"):
         return word[:-3] + "y"
-    if re.search(r"(?:ch|sh|s|x|z)es$", word):
-        return word[:-2]
+    one = _without_s(word)
+    bare = re.sub(r"(ch|sh|s|x|z)e$", r"\1", one)
+    return one if bare == one else _without_s(bare)
+
+
+def _without_s(word: str) -> str:
     return word[:-1] if len(word) > 3 and word.endswith("s") and not word.endswith("ss") else word
 
 
@@ -217,24 +233,27 @@ def _readings(text: str) -> list[_Asked]:
     known, said = _known(), _tokens(text)[:_LONGEST]
     naming = {*_tokens(_BEHIND.split(text.casefold())[0])} - _OF_WHAT
     aside = {*said} - naming if naming & {*said} else set()
+    others = {*_tokens(" ".join(_OTHERS.split(text.casefold())[1:]))} & aside
     joined, place = [], 0
     while place < len(said):
         pair = "".join(said[place : place + 2])  # li-po, gear box
         joined.append(pair if pair in known else said[place])
         place += 2 if pair in known and place + 1 < len(said) else 1
     return [
-        _asked(words, choice, aside)
+        _asked(words, choice, aside, others)
         for words in (said, joined)
         for choice in islice(product(*map(_as_known, words)), _TRIED)
         if choice
     ]
 
 
-def _asked(words: Sequence[str], choice: Sequence[Mapping[str, float]], aside: set[str]) -> _Asked:
+def _asked(words: Sequence[str], choice: Sequence[Mapping[str, float]], aside: set[str], others: set[str]) -> _Asked:
     """One reading: for each word what entries may write, with what it counts."""
     weight = {word: said for one in choice for word, said in one.items()}
     naming = [frozenset(one) for word, one in zip(words, choice, strict=True) if word not in aside]
-    return _Asked(weight, frozenset(weight.keys() - frozenset().union(*naming)), naming[-1] if naming else frozenset())
+    head = naming[-1] if naming else frozenset()
+    beside = frozenset(weight.keys() - frozenset().union(*naming))
+    return _Asked(weight, beside, head, frozenset(others) if head & _known() else frozenset())
 
 
 def _as_known(word: str) -> list[dict[str, float]]:

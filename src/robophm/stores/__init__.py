@@ -18,8 +18,8 @@ from robophm.stores.store import Restored, Store
 __all__ = ["Address", "Store", "existing_store", "open_store", "stores"]
 
 NOT_PLUGS = (
-    "store", "alarm_log", "events", "figures", "kept_events", "kept_history", "kept_reports", "migration", "pyramid",
-    "service_requests", "sqlite_alarms", "trend", "upkeep",
+    "store", "alarm_log", "events", "figures", "kept_events", "kept_history", "kept_reports", "migration", "outbox",
+    "pyramid", "service_requests", "sqlite_alarms", "trend", "upkeep",
 )  # fmt: skip
 """The interface, and what its plugs are built of."""
 

@@ -13,6 +13,7 @@ Kind = Literal[
     "breach ended",
     "silence",
     "silence ended",
+    "failure",
     "replacement",
     "repair",
     "design change",
@@ -22,6 +23,8 @@ Kind = Literal[
 ]
 
 _STALE = "stale "
+
+_SERVICES: dict[str, Kind] = {"failed": "failure", "replaced": "replacement", "repaired": "repair"}
 
 
 class Event(NamedTuple):
@@ -63,9 +66,10 @@ def events_of(ledger: Mapping[str, Any]) -> Iterator[Event]:
     for (time, mode, kind, failed, *_), said in zip(
         services, ledger.get("said") or [("", "")] * len(services), strict=True
     ):
-        done: Kind = "replacement" if kind == "replaced" else "repair"
+        done: Kind = _SERVICES[kind]
+        after = " after it had failed" if failed and done != "failure" else ""
         by, note = (f" by {said[0]}" if said[0] else ""), (f": {said[1]}" if said[1] else "")
-        yield Event(time, done, mode, f"{_named(mode)} {kind}{' after it had failed' if failed else ''}{by}{note}")
+        yield Event(time, done, mode, f"{_named(mode)} {kind}{after}{by}{note}")
     for time, part, kind, before in ledger.get("changes", ()):
         yield Event(time, "design change", part, f"{part}: {kind}{f', before {before}' if before else ''}")
 

@@ -27,12 +27,16 @@ from robophm.stores.alarm_log import AlarmLog
 from robophm.stores.events import Event
 from robophm.stores.kept_history import HistoryOf, KeptHistory
 from robophm.stores.migration import UNTHINNED, known_version, migrate
+from robophm.stores.outbox import Outboxes
 from robophm.stores.service_requests import ServiceRequests, keep_answers
 from robophm.stores.sqlite_alarms import SqliteAlarms
 from robophm.stores.store import HeldError, History, NoRoomError, Progress, Restored, Store, TakesRequests
 from robophm.stores.upkeep import Upkeep
 
 _log = logging.getLogger(__name__)
+
+LARGEST_LOG = 4 << 20
+"""Bytes of the log beside the file, once its content is in the file: it may be longer while somebody reads on."""
 
 LONGEST_WAIT = 10.0
 """The most seconds to wait for others who write to the same store, or make it."""
@@ -57,6 +61,9 @@ class SqliteStore(Store, TakesRequests):
         with self._errors():
             self._base = _connected(self.path)
         self._history = KeptHistory(self._base)
+        self._outboxes = Outboxes(
+            self._base, self._reading, self._transaction, lambda robot: self.history(robot).report_at
+        )
         try:
             with self._errors():
                 self._open()
@@ -76,6 +83,7 @@ class SqliteStore(Store, TakesRequests):
                     raise
                 time.sleep(0.01)
         self._base.execute("PRAGMA synchronous = FULL")
+        self._base.execute(f"PRAGMA journal_size_limit = {LARGEST_LOG}")
 
     def _look_into_log(self) -> None:
         """Say what of the log is not taken, which SQLite passes over, and keep that log beside the file."""
@@ -183,6 +191,7 @@ class SqliteStore(Store, TakesRequests):
             self._history.add(robot, ledger, reports, events)
             done = [(one.recording, one.position, int(one.complete), json.dumps(one.notes)) for one in progress]
             PROGRESS.put(self._base, robot, done)
+            self._outboxes.put(robot, reports)
             if answers:
                 keep_answers(self._base, robot, answers)
 
@@ -212,6 +221,11 @@ class SqliteStore(Store, TakesRequests):
     def service_requests(self, robot: str) -> ServiceRequests:
         """Return the requests to note services of a robot, in a table beside the others."""
         return ServiceRequests(self._base, robot, self._reading, self._transaction)
+
+    @property
+    def outboxes(self) -> Outboxes:
+        """The reports of robots that their fleet has not committed yet, in tables beside the others."""
+        return self._outboxes
 
     def upkeep(self) -> Upkeep:
         """Return what is done to all of the file."""

@@ -14,6 +14,7 @@ from robophm.core.errors import StoreError
 from robophm.stores.alarm_log import AlarmLog, AlarmsInMemory
 from robophm.stores.events import Event
 from robophm.stores.figures import FigureSeries
+from robophm.stores.outbox import Outboxes
 from robophm.stores.service_requests import ServiceRequests
 from robophm.stores.upkeep import Upkeep
 
@@ -148,6 +149,11 @@ class Store(ABC):
         """Return the log of a robot's alarms; one that lasts as long as the store is open, unless it keeps a better."""
         logs: dict[str, AlarmLog] = vars(self).setdefault("_alarm_logs", {})
         return logs.setdefault(robot, AlarmsInMemory())
+
+    @property
+    def outboxes(self) -> Outboxes:
+        """The reports of robots that no fleet has committed yet. Raises StoreError where none are kept for one."""
+        raise StoreError("this kind of store keeps nothing for a fleet; expected one in SQLite")
 
     def bring_back(self, robot: str, ledger: Mapping[str, Any], time: int) -> None:
         """Keep a ledger that was brought back to a time [ns], and nothing of a later one. Raises StoreError."""

@@ -6,6 +6,7 @@ host, writes and WebSockets must come from its own page, and what is answered ma
 
 from __future__ import annotations
 
+import asyncio
 import json
 import time
 from collections.abc import Sequence
@@ -68,8 +69,12 @@ class Guard:
         change = self._change(scope, headers, user)
         body = self._bodies.of(scope, headers, receive)
 
+        begun = False
+
         async def answer(message: Message) -> None:
+            nonlocal begun
             if message["type"] == "http.response.start":
+                begun = True
                 body.end()
                 if change and message["status"] < 400:
                     await run_in_threadpool(self._visitors.changes.add, change)
@@ -84,6 +89,9 @@ class Guard:
         token = CHANGE.set(change)
         try:
             await self._app(scope, body.receive, answer)
+        except asyncio.CancelledError:  # the service ends, and this took too long for it
+            if not begun:
+                await _refuse(scope, receive, send, 503, "the service ends; try again when it is there again")
         finally:
             body.end()
             CHANGE.reset(token)

@@ -137,12 +137,14 @@ class Monitoring:
 
     def __init__(
         self, store: Address | None = None, journal: Path | None = None, period: float = 1.0, *, own: bool = False,
-        notices: Notices | None = None,
+        notices: Notices | None = None, for_fleet: bool = False,
     ) -> None:  # fmt: skip
         """Keep the robot's past in a store, or without one as long as this lives.
 
-        ``own``: the store is of this robot alone, and not of what recordings are played of.
+        ``own``: the store is of this robot alone, and not of what recordings are played of. ``for_fleet``: what goes
+        into the store is put into its outbox too.
         """
+        self._for_fleet = for_fleet
         self._notices = notices or Notices()
         self._store, self._journal, self._period, self._own = store, journal, period, own
         self._played: dict[str, MemoryStore] = {}
@@ -311,7 +313,7 @@ class Monitoring:
                 monitor = watch(
                     run.robot, tapped, store=store, journal=journal, period=self._period, on_tick=look, on_start=begin,
                     task_topics=(*TASK_TOPICS, *source.task_topics) if isinstance(source, LiveSource) else (),
-                    on_task=run.hear_of_task,
+                    on_task=run.hear_of_task, for_fleet=self._for_fleet and not isinstance(store, MemoryStore),
                 )  # fmt: skip
                 newest = monitor.ledger.newest or 0
                 monitor.marks = [mark for mark in monitor.marks if mark[0] <= newest]

@@ -76,6 +76,8 @@ class Settings:
     """Whether the store is this robot's alone, as one beside its design is: recordings that are played do not count."""
     notify: tuple[str, ...] = ()
     """Addresses that are told of alarms."""
+    for_fleet: bool = False
+    """Whether the robot's reports go into the outbox of its store, to be sent to a fleet."""
 
 
 class Service:
@@ -92,7 +94,9 @@ class Service:
         """SHA-256 fingerprint of the certificate; empty without TLS."""
         self.workspace.on_change = self.visitors.changes.design_changed
         self.notices = Notices(settings.notify)
-        self.monitoring = Monitoring(settings.store, settings.journal, own=settings.own_store, notices=self.notices)
+        self.monitoring = Monitoring(
+            settings.store, settings.journal, own=settings.own_store, notices=self.notices, for_fleet=settings.for_fleet
+        )
         self.jobs = Jobs()
         self.received = ReceivedFiles(settings.design.with_name(settings.design.name + ".files"), settings.recordings)
         """The files that were handed in for a draft of the robot, in a folder beside its design."""
@@ -228,12 +232,17 @@ class Service:
             unknown={path: rates_of(one) for path, one in prepared.unknown.items()} if prepared else {},
         )
 
+    def end_watching(self) -> None:
+        """End monitoring, whose past is kept; nothing is watched again by itself."""
+        self._ended.set()
+        self.monitoring.stop(within=QUICK_END)
+
     def close(self) -> None:
         """End monitoring and jobs; let go of files."""
-        self._ended.set()
-        for thread in self._threads:  # a thread that still computes when the process ends may abort it
+        self.end_watching()
+        for thread in self._threads:
             thread.join(timeout=LONGEST_END)
-        self.monitoring.stop(within=QUICK_END)
+        self.monitoring.stop(within=QUICK_END)  # one of them may just have begun to watch
         self.notices.close()
         self.jobs.close()
         self.workspace.close()

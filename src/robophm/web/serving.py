@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import logging
+import os
 import signal
 import socket
+import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 import uvicorn
+from starlette.types import ASGIApp
 
 from robophm.core.errors import RobophmError
 from robophm.core.rate_limited_log import limit_rate
@@ -24,6 +30,15 @@ AT_ONCE = 8
 """Connections that are taken before what was said over them is read: were it hundreds that come together, who speaks
 right away would be let go of as silent."""
 
+GRACE = 2
+"""Seconds that requests which are under way have once the service is to end."""
+
+LONGEST_END, LONGEST_KEEPING = 4.0, 8.0
+"""Seconds after which the process ends whatever is still computed: once the robot's past is kept, and in any case."""
+
+SWITCH = 0.0005
+"""Seconds after which a thread that computes gives way while the service ends: that of the end is one of many."""
+
 QUEUE = 1024
 """Connections that may wait to be taken: whoever finds no place tries again a second later."""
 
@@ -34,35 +49,61 @@ def serve(settings: Settings, port: int, ready: Callable[[str, Service, Callable
     Port 0 is any that is free. Raises RobophmError where the address cannot be had, or others reach it and there are no
     users; else as ``create_app``.
     """
-    limit_rate("uvicorn.error", "asyncio", "robophm")
-    supervisor = Supervisor()
-    with (
-        _heeding() as wish
-    ):  # from before there are threads: one that still computes when the process ends may abort it
+    with heeding() as wish:
         app = create_app(settings)
         service: Service = app.state.service
         try:
             certificate = _certificate(settings, service)
-            with _listen(settings.host, port) as listener:
-                connection = type("Connection", (BoundedConnection,), {
-                    "tls": tls_context(certificate, settings.key) if certificate else None,
-                    "is_proxy": staticmethod(service.visitors.proxies.believed),
-                })  # fmt: skip
-                config = uvicorn.Config(
-                    app, log_level="warning", access_log=False, http=connection, ws="websockets-sansio",
-                    ws_max_size=1 << 20, ws_max_queue=32, timeout_keep_alive=15,
-                    timeout_graceful_shutdown=2, server_header=False, proxy_headers=False, backlog=AT_ONCE,
-                )  # fmt: skip
-                wish.ends(server := _Server(config, supervisor))
-                host = f"[{settings.host}]" if ":" in settings.host else settings.host
-                address = f"{'https' if certificate else 'http'}://{host}:{listener.getsockname()[1]}/"
+
+            def begun(address: str) -> None:
                 service.fingerprint = fingerprint(certificate) if certificate else ""
                 ready(address, service, wish.stop)
-                supervisor.ready("serving")
-                server.run(sockets=[listener])
+
+            place = Place(settings.host, port, certificate, settings.key, service.visitors.proxies.believed)
+            serve_app(app, place, wish, begun, service.end_watching)
         finally:
-            supervisor.ending()
             service.close()
+
+
+@dataclass(frozen=True)
+class Place:
+    """The place at which a service listens, and how."""
+
+    host: str
+    port: int
+    """Port to listen on; 0 is any that is free."""
+    certificate: Path | None = None
+    """Certificate for TLS, with its key unless that is in a file of its own; None: without TLS."""
+    key: Path | None = None
+    is_proxy: Callable[[str], bool] = lambda address: False
+    """Whether at an address is a proxy, which has connections of many."""
+
+
+def serve_app(
+    app: ASGIApp, place: Place, wish: Wish, ready: Callable[[str], None], keep: Callable[[], None] = lambda: None
+) -> None:
+    """Serve any application until it is wished to stop, nobody holding connections for nothing.
+
+    ``ready`` is told the address; ``keep`` keeps what must not be lost once the end has begun. Raises RobophmError
+    where the address cannot be had, or a certificate is none.
+    """
+    limit_rate("uvicorn.error", "asyncio", "robophm")
+    supervisor = Supervisor()
+    with _listen(place.host, place.port) as listener:
+        connection = type("Connection", (BoundedConnection,), {
+            "tls": tls_context(place.certificate, place.key) if place.certificate else None,
+            "is_proxy": staticmethod(place.is_proxy),
+        })  # fmt: skip
+        config = uvicorn.Config(
+            app, log_level="warning", access_log=False, http=connection, ws="websockets-sansio",
+            ws_max_size=1 << 20, ws_max_queue=32, timeout_keep_alive=15,
+            timeout_graceful_shutdown=GRACE, server_header=False, proxy_headers=False, backlog=AT_ONCE,
+        )  # fmt: skip
+        wish.ends(server := _Server(config, supervisor), keep)
+        host = f"[{place.host}]" if ":" in place.host else place.host
+        ready(f"{'https' if place.certificate else 'http'}://{host}:{listener.getsockname()[1]}/")
+        supervisor.ready("serving")
+        server.run(sockets=[listener])
 
 
 def _certificate(settings: Settings, service: Service) -> Path | None:
@@ -88,6 +129,11 @@ class _Server(uvicorn.Server):
         for one in sockets or ():
             one.listen(QUEUE)
 
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Tell the supervisor that the end has begun, and end in order."""
+        self._supervisor.ending()
+        await super().shutdown(sockets)
+
     async def on_tick(self, counter: int) -> bool:
         """Tell the supervisor that requests are heeded, ten times a second at most; return whether to end."""
         self._supervisor.alive()
@@ -99,30 +145,71 @@ class _Server(uvicorn.Server):
         yield
 
 
-class _Wish:
+class Wish:
     """The wish to stop, which may come before there is a server."""
 
-    def __init__(self) -> None:
-        self._asked = False
+    def __init__(self, *, of_process: bool) -> None:
+        """``of_process``: whether it comes by signals, and the process ends with the server."""
+        self._of_process = of_process
+        self._asked: float | None = None
         self._server: _Server | None = None
+        self._keep: Callable[[], None] = lambda: None
+        self._over = threading.Event()
 
-    def ends(self, server: _Server) -> None:
-        """Let the wish end this server, at once where it has come."""
-        self._server = server
-        server.should_exit = server.should_exit or self._asked
+    def ends(self, server: _Server, keep: Callable[[], None]) -> None:
+        """Let the wish end this server, at once where it has come; ``keep`` keeps what must not be lost."""
+        self._server, self._keep = server, keep
+        if self._asked is not None:
+            self._begin()
 
     def stop(self, *_signal: object) -> None:
         """Ask the server to stop in order, which takes seconds at most; a second time changes nothing of that."""
-        self._asked = True
-        if self._server:
-            self._server.should_exit = True
+        if self._asked is None:
+            self._asked = time.monotonic()
+            if self._server:
+                self._begin()
+
+    def _begin(self) -> None:
+        assert self._server
+        self._server.should_exit = True
+        if self._of_process:
+            sys.setswitchinterval(SWITCH)
+            threading.Thread(target=self._end_in_time, name="end in time", daemon=True).start()
+
+    def _end_in_time(self) -> None:
+        """Keep what must not be lost while requests have their time; end the process where one of them takes too long.
+
+        A thread that computes cannot be told to end, and Python waits for it. Nothing is left half-written by an end
+        like this, as nothing is by a kill.
+        """
+        assert self._asked is not None
+        keeping = threading.Thread(target=self._keep, name="keep the past", daemon=True)
+        keeping.start()
+        keeping.join(LONGEST_KEEPING)
+        if self._over.wait(max(0.0, self._asked + LONGEST_END - time.monotonic())):
+            return
+        logging.getLogger("robophm").warning("ended while requests were still computed")
+        for stream in (sys.stdout, sys.stderr):
+            with suppress(OSError, ValueError):
+                stream.flush()
+        os._exit(0)
+
+    def is_over(self) -> None:
+        """Say that all is closed: the process may end by itself, unless there are threads that it would wait for."""
+        others = [one for one in threading.enumerate() if not one.daemon and one is not threading.current_thread()]
+        if not others:
+            self._over.set()
 
 
 @contextmanager
-def _heeding() -> Iterator[_Wish]:
-    """Take SIGINT and SIGTERM as the wish to stop; then as nothing, for what is left to end is the process."""
-    wish = _Wish()
-    if threading.current_thread() is not threading.main_thread():
+def heeding() -> Iterator[Wish]:
+    """Take SIGINT and SIGTERM as the wish to stop; then as nothing, for what is left to end is the process.
+
+    It has to begin before there are threads: one that still computes when the process ends may abort it.
+    """
+    in_main = threading.current_thread() is threading.main_thread()
+    wish = Wish(of_process=in_main)
+    if not in_main:
         yield wish
         return
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -132,6 +219,7 @@ def _heeding() -> Iterator[_Wish]:
     finally:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, signal.SIG_IGN)
+        wish.is_over()
 
 
 def _listen(host: str, port: int) -> socket.socket:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import re
-import subprocess
 import threading
 import time
 from collections.abc import Iterator
@@ -29,8 +28,8 @@ from robophm.transports.signals.report_sink import JudgedTask
 
 from ..listener import within
 from .conftest import System
+from .genpy import ROOT, generated
 
-ROOT = Path(__file__).parents[3] / "ros" / PACKAGE
 T0 = 1_700_000_000 * SECOND
 DESIGN = """
 schema_version: 1
@@ -61,21 +60,6 @@ float32 potc_distance
 }
 """As inomuh/phm_tools 1.0.3 defines them; its Reliability is as its HazardRate."""
 OLD["Reliability"] = OLD["HazardRate"]
-
-
-def generated(folder: Path, **texts: str) -> Path:
-    """A folder from which Python imports phm_msgs, as genpy makes it."""
-    sources, made = folder / "sources", folder / "made" / PACKAGE / "msg"
-    sources.mkdir(parents=True)
-    for name, text in texts.items():
-        (sources / f"{name}.msg").write_text(text)
-    command = ["/usr/bin/python3", "/usr/lib/genpy/genmsg_py.py"]
-    include = [f"-Istd_msgs:{next(Path('/usr/share').glob('std_msgs*/msg'), '')}", f"-I{PACKAGE}:{sources}"]
-    files = [str(sources / f"{name}.msg") for name in texts]
-    subprocess.run([*command, *files, "-p", PACKAGE, *include, "-o", str(made)], check=True)
-    subprocess.run([*command, "--initpy", "-o", str(made), "-p", PACKAGE], check=True)
-    (made.parent / "__init__.py").touch()
-    return folder / "made"
 
 
 @pytest.fixture(scope="module")

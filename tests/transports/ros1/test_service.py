@@ -27,7 +27,7 @@ from robophm.transports.ros1.definition import md5_of_service
 
 from ..listener import within
 from .conftest import System
-from .test_health_topics import ROOT, generated
+from .genpy import generated_services
 
 DESIGN = """
 schema_version: 1
@@ -39,7 +39,6 @@ components:
   wheel: {rate: 0.06 /h}
 functions: {roll: wheel}
 """
-SERVICE = f"{PACKAGE}/srv/AssessTask"
 CALL = """
 from phm_msgs.srv import AssessTask, AssessTaskRequest
 from phm_msgs.msg import TaskLeg
@@ -58,16 +57,7 @@ def told(**request):
 @pytest.fixture(scope="module")
 def python_path(roscore: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder from which Python imports the messages and the service, as genpy makes them."""
-    leg = {"TaskLeg": (ROOT / "msg" / "TaskLeg.msg").read_text()}
-    folder = tmp_path_factory.mktemp("service")
-    made = generated(folder, **leg)
-    target = made / PACKAGE / "srv"
-    include = [f"-Istd_msgs:{next(Path('/usr/share').glob('std_msgs*/msg'), '')}", f"-I{PACKAGE}:{folder / 'sources'}"]
-    command = ["/usr/bin/python3", "/usr/lib/genpy/gensrv_py.py"]
-    file = str(ROOT / "srv" / "AssessTask.srv")
-    subprocess.run([*command, file, "-p", PACKAGE, *include, "-o", str(target)], check=True)
-    subprocess.run([*command, "--initpy", "-o", str(target), "-p", PACKAGE], check=True)
-    return made
+    return generated_services(tmp_path_factory.mktemp("service"))
 
 
 @pytest.fixture
@@ -88,11 +78,12 @@ def called(ros: System, python_path: Path, code: str, *, lasting: bool = False) 
     return [json.loads(line) for line in process.stdout]
 
 
-def test_the_md5_sum_is_that_of_genpy(python_path: Path) -> None:
-    (code,) = (python_path / PACKAGE / "srv").glob("_AssessTask.py")
-    request, response = (definition(each, 1) for each in service_types(SERVICE, 1))
+@pytest.mark.parametrize("name", ["AssessTask", "ReportFailure", "ReportService"])
+def test_the_md5_sum_is_that_of_genpy(python_path: Path, name: str) -> None:
+    (code,) = (python_path / PACKAGE / "srv").glob(f"_{name}.py")
+    request, response = (definition(each, 1) for each in service_types(f"{PACKAGE}/srv/{name}", 1))
     assert re.findall(r"_md5sum = '(\w+)'", code.read_text()) == [
-        md5_of_service(f"{PACKAGE}/AssessTask", request, response)
+        md5_of_service(f"{PACKAGE}/{name}", request, response)
     ]
 
 

@@ -1,8 +1,8 @@
-"""A client of phm_msgs/AssessTask as rmw_cyclonedds makes it, by Cyclone DDS alone: types by hand, nothing of robophm.
+"""A client of phm_msgs/AssessTask and ReportFailure as rmw_cyclonedds makes it, by Cyclone DDS alone: types by hand.
 
 Before the fields of each request and reply stand the client's number and that of its request. Reads commands, a line
 each: ``there`` says whether the service is as a client waits for it; ``ask METRES SPEED LEGS LIMIT`` asks, and prints
-the reply as JSON; ``strange`` makes a client of another RMW, which has no such identity.
+the reply as JSON; so does ``fail PART``; ``strange`` makes a client of another RMW, which has no such identity.
 """
 
 import json
@@ -63,6 +63,26 @@ class Response(IdlStruct, typename="phm_msgs.srv.dds_.AssessTask_Response_"):
     left_out: str
 
 
+@dataclass
+class Failure(IdlStruct, typename="phm_msgs.srv.dds_.ReportFailure_Request_"):
+    guid: uint64
+    seq: int64
+    part: str
+    by: str
+    note: str
+    key: str
+
+
+@dataclass
+class Noted(IdlStruct, typename="phm_msgs.srv.dds_.ReportFailure_Response_"):
+    guid: uint64
+    seq: int64
+    header: Header
+    noted: bool
+    refused: str
+    modes: sequence[str]
+
+
 def main() -> None:
     number = int(sys.argv[1])
     domain = Domain(number, LOOPBACK)
@@ -71,35 +91,43 @@ def main() -> None:
     reliable = Policy.Reliability.Reliable(0)
     last = Policy.History.KeepLast(10)
 
-    def writer(user_data: bytes) -> DataWriter:
-        topic = Topic(participant, "rq/phm/assess_taskRequest", Request, Qos(xcdr1))
+    def writer(service: str, request: type, user_data: bytes) -> DataWriter:
+        topic = Topic(participant, f"rq/phm/{service}Request", request, Qos(xcdr1))
         return DataWriter(participant, topic, Qos(xcdr1, reliable, last, Policy.Userdata(user_data)))
 
-    asks = writer(b"clientid=00.11.22;")
-    replies = DataReader(
-        participant, Topic(participant, "rr/phm/assess_taskReply", Response, Qos(xcdr1)), Qos(xcdr1, reliable, last)
-    )
+    def client(service: str, request: type, response: type) -> tuple[DataWriter, DataReader]:
+        topic = Topic(participant, f"rr/phm/{service}Reply", response, Qos(xcdr1))
+        return writer(service, request, b"clientid=00.11.22;"), DataReader(
+            participant, topic, Qos(xcdr1, reliable, last)
+        )
+
+    def answered(ends: tuple[DataWriter, DataReader], request: IdlStruct) -> None:
+        ends[0].write(request)
+        reply = None
+        while reply is None:
+            for one in ends[1].take(10):
+                if getattr(one, "guid", None) == OURS and one.seq == request.seq:
+                    reply = one
+            time.sleep(0.001)
+        print(json.dumps(asdict(reply)), flush=True)
+
+    task = client("assess_task", Request, Response)
+    failure = client("report_failure", Failure, Noted)
     strangers = []
-    seq = 0
     print("ready", flush=True)
-    for line in sys.stdin:
+    for seq, line in enumerate(sys.stdin, 1):
         command, *words = line.split()
         if command == "there":
-            served = asks.get_matched_subscriptions() and replies.get_matched_publications()
-            print("yes" if served else "no", flush=True)
+            served = [all((asks.get_matched_subscriptions(), replies.get_matched_publications()))
+                      for asks, replies in (task, failure)]  # fmt: skip
+            print(" ".join("yes" if one else "no" for one in served), flush=True)
         elif command == "ask":
             metres, speed, legs, limit = float(words[0]), float(words[1]), int(words[2]), float(words[3])
-            seq += 1
-            asks.write(Request(OURS, seq, [TaskLeg(distance=metres, speed=speed)] * legs, limit, 0))
-            reply = None
-            while reply is None:
-                for one in replies.take(10):
-                    if getattr(one, "guid", None) == OURS and one.seq == seq:
-                        reply = one
-                time.sleep(0.001)
-            print(json.dumps(asdict(reply)), flush=True)
+            answered(task, Request(OURS, seq, [TaskLeg(distance=metres, speed=speed)] * legs, limit, 0))
+        elif command == "fail":
+            answered(failure, Failure(OURS, seq, words[0], "robot", "", ""))
         elif command == "strange":
-            strangers.append(writer(b""))
+            strangers.append(writer("assess_task", Request, b""))
     del domain
 
 

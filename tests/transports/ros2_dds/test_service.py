@@ -11,8 +11,11 @@ from pathlib import Path
 import pytest
 
 from robophm.design.file import parse
+from robophm.health.ledger import Ledger
+from robophm.monitoring.service_notes import note_service
 from robophm.monitoring.task_assessor import TaskAssessor
-from robophm.transports.health_topics import Outlet, TaskService
+from robophm.stores.sqlite import SqliteStore
+from robophm.transports.health_topics import Outlet, PartReports, TaskService
 
 from ..listener import within
 from .conftest import Peer
@@ -43,14 +46,15 @@ def outlet(_participant: None) -> Iterator[Outlet]:
     outlet.close()
 
 
-def there(client: Peer) -> bool:
+def there(client: Peer) -> str:
+    """Whether the services are there that assess tasks and that take reports of failures."""
     client.tell("there")
-    return client.line() == "yes"
+    return client.line()
 
 
 def test_a_task_is_judged_as_by_hand_while_the_service_is_there(outlet: Outlet, client: Peer) -> None:
     """Six minutes a leg at 0.1 failures an hour: ten keep 0.9048, eleven do not."""
-    within(10, lambda: there(client))
+    within(10, lambda: there(client) == "yes no")
     for number in (10, 11):
         client.tell(f"ask 36 0.1 {number} 0")
         said = json.loads(client.line())
@@ -63,7 +67,23 @@ def test_a_task_is_judged_as_by_hand_while_the_service_is_there(outlet: Outlet, 
     assert said["refused"] == "legs/0: expected a distance with a speed above zero, or a duration"
     assert (said["go"], math.isnan(said["completion_nominal"])) == (False, True)
     outlet.close()
-    within(10, lambda: not there(client))
+    within(10, lambda: there(client) == "no no")
+
+
+def test_a_failure_that_the_robot_tells_of_is_in_its_past(outlet: Outlet, client: Peer, tmp_path: Path) -> None:
+    robot = parse(DESIGN)
+    with SqliteStore(tmp_path / "past.db") as store:
+        store.save(robot.identity, Ledger.new(robot).to_json())
+        PartReports(outlet, robot, lambda said, key: note_service(store.path, robot, said, key=key))
+        within(10, lambda: there(client) == "yes yes")
+        said = []
+        for part in ("motor", "motr", "motor"):
+            client.tell(f"fail {part}")
+            said.append(json.loads(client.line()))
+        assert (said[0]["noted"], said[0]["modes"], said[0]["refused"]) == (True, ["motor"], "")
+        assert (said[1]["noted"], said[1]["refused"]) == (False, "no part 'motr'; did you mean 'motor'?")
+        assert said[2]["refused"] == "'motor' has failed already; expected that it is replaced or repaired first"
+        assert [one.said for one in store.history(robot.identity).events()] == ["motor failed by robot"]
 
 
 def test_who_cannot_be_answered_is_noted(outlet: Outlet, client: Peer) -> None:

@@ -77,7 +77,7 @@ class Visit:
         return self.page
 
     def serious(self) -> list[str]:
-        """What axe-core finds serious or critical."""
+        """What axe-core finds moderate, serious or critical."""
         if not AXE.is_file():
             pytest.skip("no axe-core (npm ci in ui/)")
         self.page.evaluate(AXE.read_text(encoding="utf-8"))
@@ -85,7 +85,7 @@ class Visit:
         return [
             f"{one['id']}: {node['html'][:150]} {node['failureSummary'][:200]}"
             for one in found["violations"]
-            if one["impact"] in ("serious", "critical")
+            if one["impact"] != "minor"
             for node in one["nodes"][:3]
         ]
 

@@ -32,12 +32,11 @@ def hand_in(page, *files):
     page.get_by_label("Choose files").set_input_files([str(one) for one in files])
 
 
-def test_from_files_to_the_first_health_of_a_robot_that_is_watched(nothing, visit, shared, drive, tmp_path):
-    (tmp_path / "main.csv").write_text(PARTS)
-    look = visit(nothing)
+def from_files_to_a_robot_that_is_watched(look, files):
+    """Begin with no robot: hand in files, answer questions, add and change parts; the first health, while it runs."""
     page = look.open()
     page.get_by_role("heading", name="No robot yet").wait_for()
-    hand_in(page, shared / "robots" / "burger.urdf", drive, tmp_path / "main.csv")
+    hand_in(page, *files)
     page.get_by_text("1 recording, 7 topics").wait_for()
     page.get_by_label("How many hours a day").fill("25")
     page.get_by_label("How many hours a day").press("Enter")
@@ -65,6 +64,12 @@ def test_from_files_to_the_first_health_of_a_robot_that_is_watched(nothing, visi
     page.get_by_text("Watching", exact=True).wait_for()
     assert look.serious() == []
 
+
+def test_from_files_to_the_first_health_of_a_robot_that_is_watched(nothing, visit, shared, drive, tmp_path):
+    (tmp_path / "main.csv").write_text(PARTS)
+    from_files_to_a_robot_that_is_watched(
+        visit(nothing), [shared / "robots" / "burger.urdf", drive, tmp_path / "main.csv"]
+    )
     robot = load(nothing.design)
     assert robot.usage.operating == pytest.approx(4 / 24, rel=1e-5)
     assert {"sensing/bumper", "sensing/lidar"} < {part.path for part in robot.all_components()}

@@ -63,7 +63,7 @@ def test_the_worst_contributors_are_those_of_the_failures_to_come(visit, tmp_pat
         soon = arm.get("/api/health", horizon=24)["to_come"]
         assert (soon["horizon"], soon["stated"]) == (24, True)
         page = visit(arm).open("overview")
-        bars = page.locator("svg.bars")
+        bars = page.get_by_role("list", name="Share of the failures")
         bars.get_by_role("link").first.wait_for()
         assert bars.get_by_role("link").first.text_content().startswith("Control/Controller")
         page.get_by_text("the median remaining life, that a part brings about").wait_for()

@@ -4,7 +4,7 @@ import { post } from "../lib/api";
 import { useHealth } from "../lib/health";
 import { prefer, preferences, sayError, useShared } from "../lib/store";
 import { visitor } from "../lib/access";
-import { momentText } from "../lib/words";
+import { durationText, momentText } from "../lib/words";
 import { Text } from "../parts/Field";
 import { Icon, ICONS } from "../parts/Icon";
 import { OnlyFor } from "../parts/OnlyFor";
@@ -19,6 +19,7 @@ export default function Alarms(): ReactNode {
   const name = who?.name || typed.trim();
   const going = found?.alarms.filter((one) => one.end == null) ?? [];
   const ended = found?.alarms.filter((one) => one.end != null) ?? [];
+  const worst = [...going].sort((a, b) => Number(b.severity === "error") - Number(a.severity === "error") || a.begin - b.begin);
 
   async function acknowledge(one: Alarm): Promise<void> {
     try {
@@ -40,6 +41,11 @@ export default function Alarms(): ReactNode {
         </p>
       )}
       {health && health.monitoring !== "running" && <p className="quiet">The robot is not watched: alarms neither begin nor end meanwhile.</p>}
+      {going.length > 0 && health?.sentence && (
+        <p className="answer">
+          {health.sentence.replaceAll(" %", "\u00a0%")} <a href="#/overview">Why</a>
+        </p>
+      )}
       {found && (
         <section className="card">
           <div className="row">
@@ -47,7 +53,7 @@ export default function Alarms(): ReactNode {
             <span className="grow" />
             {going.length > 0 && who?.name === "" && <Text label="Acknowledge as" placeholder="your name" value={typed} set={(said) => prefer({ name: said })} />}
           </div>
-          <Log alarms={going} none="None at present." label="Active alarms" acknowledge={name ? (one) => void acknowledge(one) : null} />
+          <Log alarms={worst} now={health?.time} none="None at present." label="Active alarms" acknowledge={name ? (one) => void acknowledge(one) : null} />
         </section>
       )}
       {found && found.limits.length > 0 && (
@@ -80,7 +86,7 @@ export default function Alarms(): ReactNode {
   );
 }
 
-function Log({ alarms, none, label, acknowledge }: { alarms: Alarm[]; none: string; label: string; acknowledge?: ((one: Alarm) => void) | null }): ReactNode {
+function Log({ alarms, now, none, label, acknowledge }: { alarms: Alarm[]; now?: number | null; none: string; label: string; acknowledge?: ((one: Alarm) => void) | null }): ReactNode {
   if (!alarms.length) return <p className="quiet">{none}</p>;
   return (
     <ul className="alarms" aria-label={label}>
@@ -93,7 +99,8 @@ function Log({ alarms, none, label, acknowledge }: { alarms: Alarm[]; none: stri
             <strong>{one.cause}</strong>
             {one.doubt && one.end == null && <p className="small">Not known whether it is still so: it {one.doubt}.</p>}
             <p className="small quiet">
-              since {momentText(one.begin)}
+              since <a href={`#/history/${one.begin}`} title="The robot as it was then">{momentText(one.begin)}</a>
+              {one.end == null && now != null && now > one.begin && `, for ${durationText((now - one.begin) / 3600)}`}
               {one.end != null && `, until ${momentText(one.end)}: ${one.ended_by}`}
             </p>
           </div>

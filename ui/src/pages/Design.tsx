@@ -109,6 +109,7 @@ export default function Design(): ReactNode {
   return (
     <div className={asText ? "design as-text" : "design"} onKeyDown={keys}>
       <section className="side" aria-label="Parts of the robot">
+        <h1 className="hidden">Design</h1>
         <div className="row tools">
           <OnlyFor role="editor">
             <button onClick={() => part && void add("module", part)}>Add module</button>

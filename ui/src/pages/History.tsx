@@ -1,7 +1,7 @@
 import { type ReactNode, useEffect, useMemo, useState } from "react";
 import { get, type Shapes } from "../lib/api";
 import { pulse } from "../lib/live";
-import { useDesign, useShared, useUnit } from "../lib/store";
+import { route, useDesign, useShared, useUnit } from "../lib/store";
 import { durationText, momentText, moreText, numberText, RATE_UNITS, rateText, type RateUnit } from "../lib/words";
 import { ICONS } from "../parts/Icon";
 import { type Curve, Plot } from "../parts/Plot";
@@ -21,9 +21,10 @@ export default function History(): ReactNode {
   const design = useDesign();
   const unit = useUnit();
   const { monitoring } = useShared(pulse);
-  const [span, setSpan] = useState<Span>(null);
+  const named = Number.parseFloat(route.get().rest); // #/history/1790000000 begins at a moment, with the day around it
+  const [span, setSpan] = useState<Span>(named ? [named - DAY / 2, named + DAY / 2] : null);
   const [past, setPast] = useState<Past | null>(null);
-  const [at, setAt] = useState<number | null>(null);
+  const [at, setAt] = useState<number | null>(named || null);
   const [wrong, setWrong] = useState("");
   const [asked, setAsked] = useState(0);
   useEffect(() => {
@@ -36,7 +37,7 @@ export default function History(): ReactNode {
       .catch((error: Error) => ends.signal.aborted || setWrong(error.message));
     return () => ends.abort();
   }, [span, asked, monitoring]);
-  const marks = useMemo(() => past?.events.map((one) => one.time), [past]);
+  const marks = useMemo(() => past?.events.filter((one) => !isSilence(one)).map((one) => one.time), [past]);
   const plots = useMemo(() => (past ? drawn(past, unit) : []), [past, unit]);
   if (!design) return null;
   if (!past || past.first == null || past.last == null)
@@ -100,13 +101,15 @@ export default function History(): ReactNode {
         />
         <span style={{ minWidth: 190 }}>{momentText(at ?? to)}</span>
       </label>
-      <div className="two">
+      <div className="two" style={{ margin: "12px 0 16px" }}>
         {plots.map((one) => (
           <Plot key={one.title} {...one} xLabel="time, UTC" time marks={marks} at={at} zoomTo={(low, high) => setSpan([low, high])} pick={setAt} empty="Not known of this time." />
         ))}
       </div>
-      <Then at={at ?? to} unit={unit} />
-      <Events past={past} look={setAt} />
+      <div className="stack">
+        <Then at={at ?? to} unit={unit} />
+        <Events past={past} look={setAt} />
+      </div>
     </>
   );
 }
@@ -241,13 +244,28 @@ interface Figures {
   unreliability: number;
 }
 
+type Happened = Past["events"][number];
+const isSilence = (one: Happened): boolean => one.kind.startsWith("silence");
+
+/** What happened; silences, of which every night has one of each signal, where they are asked for. */
 function Events({ past, look }: { past: Past; look: (time: number) => void }): ReactNode {
-  const listed = past.events.slice(-LISTED).reverse();
+  const [all, setAll] = useState(false);
+  const silences = past.events.filter(isSilence).length;
+  const told = all ? past.events : past.events.filter((one) => !isSilence(one));
+  const listed = told.slice(-LISTED).reverse();
   return (
     <section className="card" aria-label="Events">
-      <h2>Events</h2>
+      <div className="row">
+        <h2>Events</h2>
+        <span className="grow" />
+        {silences > 0 && (
+          <label className="check">
+            <input type="checkbox" checked={all} onChange={(event) => setAll(event.target.checked)} /> list silences too ({silences})
+          </label>
+        )}
+      </div>
       {listed.length ? (
-        <Table label="Events, the latest first" columns={["Time", "What", ""]}>
+        <Table label="Events, the latest first" className="scroll stacked" columns={["Time", "What", ["Said of it", "spoken"]]}>
           {listed.map((one) => (
             <tr key={`${one.time} ${one.kind} ${one.subject}`}>
               <td>
@@ -259,9 +277,9 @@ function Events({ past, look }: { past: Past; look: (time: number) => void }): R
           ))}
         </Table>
       ) : (
-        <p className="quiet">None is known of this time.</p>
+        <p className="quiet">{silences ? "Nothing but silences is known of this time." : "None is known of this time."}</p>
       )}
-      {past.events.length > LISTED && <p className="small quiet">{moreText(past.events.length - LISTED)}</p>}
+      {told.length > LISTED && <p className="small quiet">{moreText(told.length - LISTED)}</p>}
     </section>
   );
 }

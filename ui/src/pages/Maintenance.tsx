@@ -206,7 +206,7 @@ function Done({ found }: { found: Upkeep }): ReactNode {
               <td>{one.mode}</td>
               <td>
                 {one.kind}
-                {one.failed && " after it had failed"}
+                {one.failed && one.kind !== "failed" && " after it had failed"}
               </td>
               <td data-label="By">{one.by || "–"}</td>
               <td data-label="Note">{one.note || "–"}</td>

@@ -129,7 +129,7 @@ function Figures({ health }: { health: Health }): ReactNode {
       <section className="card" style={{ marginTop: 16 }}>
         <h2>Modules</h2>
         {health.subjects.length > 1 ? (
-          <div className="scroll" tabIndex={0} role="region" aria-label="Modules">
+          <div className="scroll stacked" tabIndex={0} role="region" aria-label="Modules">
             <Modules subjects={health.subjects} />
           </div>
         ) : (
@@ -298,11 +298,11 @@ function Modules({ subjects }: { subjects: Shapes["SubjectHealth"][] }): ReactNo
             <th scope="row" style={{ paddingLeft: 10 + 16 * one.path.split("/").length - 16 }}>
               {one.kind === "module" ? <a href={`#/design/${encodeURI(one.path)}`}>{one.name}</a> : `${one.name} (function)`}
             </th>
-            <td className="number">{marked(one.unknown, "hazard_rate", rateText(one.nominal.hazard_rate, unit))}</td>
-            <td className="number">{marked(one.unknown, "hazard_rate", rateText(one.sensor_based.hazard_rate, unit))}</td>
-            <td className="number">{marked(one.unknown, "reliability", percentText(one.nominal.reliability, one.nominal.unreliability, one.sensor_based.unreliability))}</td>
-            <td className="number">{marked(one.unknown, "reliability", percentText(one.sensor_based.reliability, one.sensor_based.unreliability, one.nominal.unreliability))}</td>
-            <td className="number">{one.sensor_based.remaining_life ? marked(one.unknown, "ahead", durationText(one.sensor_based.remaining_life.median)) : "–"}</td>
+            <td className="number" data-label="λ nominal">{marked(one.unknown, "hazard_rate", rateText(one.nominal.hazard_rate, unit))}</td>
+            <td className="number" data-label="λ sensor-based">{marked(one.unknown, "hazard_rate", rateText(one.sensor_based.hazard_rate, unit))}</td>
+            <td className="number" data-label="R nominal">{marked(one.unknown, "reliability", percentText(one.nominal.reliability, one.nominal.unreliability, one.sensor_based.unreliability))}</td>
+            <td className="number" data-label="R sensor-based">{marked(one.unknown, "reliability", percentText(one.sensor_based.reliability, one.sensor_based.unreliability, one.nominal.unreliability))}</td>
+            <td className="number" data-label="Remaining life">{one.sensor_based.remaining_life ? marked(one.unknown, "ahead", durationText(one.sensor_based.remaining_life.median)) : "–"}</td>
             <td>{one.flags.join(", ")}</td>
           </tr>
         ))}

@@ -13,6 +13,9 @@ export const page = { name: "Tasks", icon: ICONS.task, order: 70 };
 
 type Task = Shapes["SaidTask"];
 
+/** Tasks of a list that is predicted without being asked to. */
+const AT_ONCE = 20;
+
 export default function Tasks(): ReactNode {
   const design = useDesign();
   const { looks } = useShared(pulse);
@@ -31,15 +34,25 @@ export default function Tasks(): ReactNode {
     // only when a design comes
   }, [design?.valid]);
 
-  async function ask(tasks: Task[]): Promise<void> {
+  async function ask(tasks: Task[], still: () => boolean = () => true): Promise<void> {
     try {
-      setAnswer(await post("/api/tasks/predict", { tasks, failed: [], working: [], future: "recent" }));
-      setWrong("");
+      const found = await post("/api/tasks/predict", { tasks, failed: [], working: [], future: "recent" });
+      if (still()) setAnswer(found);
+      if (still()) setWrong("");
     } catch (error) {
+      if (!still()) return;
       setAnswer(null);
       setWrong(error instanceof Error ? error.message : String(error));
     }
   }
+  useEffect(() => {
+    setAnswer(null);
+    setWrong("");
+    if (!list.length || list.length > AT_ONCE || !design?.valid) return;
+    let current = true;
+    void ask(list, () => current);
+    return () => void (current = false);
+  }, [list, design?.state, design?.valid]);
 
   async function read(file: File): Promise<void> {
     try {
@@ -66,13 +79,12 @@ export default function Tasks(): ReactNode {
       <div className="two">
         <section className="card">
           <h2>Can I do this?</h2>
-          <NewTask functions={Object.keys((design.document.functions as object | undefined) ?? {})} add={add} />
-          <div className="row">
+          <NewTask functions={Object.keys((design.document.functions as object | undefined) ?? {})} add={add}>
             <FileButton label="Tasks from a file…" accept=".yaml,.yml,.csv" take={(file) => void read(file)} />
-            <button onClick={() => setList([])} disabled={!list.length}>
+            <button type="button" onClick={() => setList([])} disabled={!list.length}>
               Empty the list
             </button>
-          </div>
+          </NewTask>
           <ol>
             {list.slice(0, 50).map((task, i) => (
               <li key={i}>
@@ -85,8 +97,8 @@ export default function Tasks(): ReactNode {
           </ol>
           {list.length > 50 && <p className="small quiet">and {list.length - 50} more</p>}
           {!list.length && <p className="quiet">The list is empty: add a task, or take one that arrived.</p>}
-          <button className="primary" disabled={!list.length || !design.valid} onClick={() => void ask(list)}>
-            Predict
+          <button className={list.length > AT_ONCE ? "primary" : ""} disabled={!list.length || !design.valid} onClick={() => void ask(list)}>
+            {answer ? "Predict again, as of now" : "Predict"}
           </button>
           {wrong && (
             <div className="trouble" role="alert" style={{ marginTop: 10 }}>
@@ -123,7 +135,7 @@ function short(said: string | null | undefined, unit: string): string {
   return unit === "h" ? durationText(number) : `${numberText(number)} ${unit}`;
 }
 
-function NewTask({ functions, add }: { functions: string[]; add: (task: Task) => void }): ReactNode {
+function NewTask({ functions, add, children }: { functions: string[]; add: (task: Task) => void; children: ReactNode }): ReactNode {
   const [distance, setDistance] = useState("250 m");
   const [speed, setSpeed] = useState("0.3 m/s");
   const [duration, setDuration] = useState("");
@@ -137,7 +149,7 @@ function NewTask({ functions, add }: { functions: string[]; add: (task: Task) =>
         add({ name, legs: [leg] });
       }}
     >
-      <div className="fields">
+      <div className="fields narrow">
         <Text label="Name" value={name} set={setName} />
         <Text label="Distance" value={distance} set={setDistance} />
         <Text label="Speed" value={speed} set={setSpeed} />
@@ -146,6 +158,7 @@ function NewTask({ functions, add }: { functions: string[]; add: (task: Task) =>
       </div>
       <div className="row" style={{ marginBottom: 8 }}>
         <button type="submit">Add to the list</button>
+        {children}
       </div>
     </form>
   );
@@ -167,23 +180,23 @@ function Answered({ answer }: { answer: Shapes["Answer"] }): ReactNode {
     <div style={{ marginTop: 12 }} aria-live="polite">
       {answer.unknown && <p className="small">{answer.unknown.sentence}.</p>}
       {answer.breached && <p className="state error">Less likely than the design wants: {percentText(answer.threshold)}</p>}
-      <Table label="Answer" columns={["Task", ["Distance", "number"], ["Time", "number"], ["PoTC nominal", "number"], ["PoTC sensor-based", "number"]]}>
+      <Table label="Answer" className="scroll stacked" columns={["Task", ["Distance", "number"], ["Time", "number"], ["PoTC nominal", "number"], ["PoTC sensor-based", "number"]]}>
         {answer.tasks.slice(0, 50).map((one, i) => (
           <tr key={i}>
             <th scope="row">{one.name || `task ${i + 1}`}</th>
-            <td className="number">{numberText(one.distance)} m</td>
-            <td className="number">{durationText(one.duration)}</td>
-            <td className="number"><Chance of={one.chance.nominal} unknown={answer.unknown} /></td>
-            <td className="number"><Chance of={one.chance.sensor_based} unknown={answer.unknown} /></td>
+            <td className="number" data-label="Distance">{numberText(one.distance)} m</td>
+            <td className="number" data-label="Time">{durationText(one.duration)}</td>
+            <td className="number" data-label="PoTC nominal"><Chance of={one.chance.nominal} unknown={answer.unknown} /></td>
+            <td className="number" data-label="PoTC sensor-based"><Chance of={one.chance.sensor_based} unknown={answer.unknown} /></td>
           </tr>
         ))}
         {answer.tasks.length > 1 && (
           <tr>
             <th scope="row">all of them</th>
-            <td className="number">{numberText(answer.distance)} m</td>
-            <td className="number">{durationText(answer.duration)}</td>
-            <td className="number"><Chance of={answer.together.nominal} unknown={answer.unknown} /></td>
-            <td className="number"><Chance of={answer.together.sensor_based} unknown={answer.unknown} /></td>
+            <td className="number" data-label="Distance">{numberText(answer.distance)} m</td>
+            <td className="number" data-label="Time">{durationText(answer.duration)}</td>
+            <td className="number" data-label="PoTC nominal"><Chance of={answer.together.nominal} unknown={answer.unknown} /></td>
+            <td className="number" data-label="PoTC sensor-based"><Chance of={answer.together.sensor_based} unknown={answer.unknown} /></td>
           </tr>
         )}
       </Table>

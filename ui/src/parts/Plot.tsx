@@ -98,7 +98,7 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
         scales: { x: { time: false, range: (_, low, high) => (low < high ? [low, high] : [low - 30, high + 30]) }, y: log ? { distr: 3 } : { range: (_, low, high) => spread(low, high) } },
         axes: [
           time
-            ? { ...axis, incrs: TIME_STEPS, values: (_, ticks, _axis, _space, step) => ticks.map((tick) => timeText(tick, step)), space: 80 }
+            ? { ...axis, incrs: TIME_STEPS, values: (_, ticks, _axis, _space, step) => ticks.map((tick) => timeText(tick, step)), space: 72 }
             : { ...axis, values: (_, ticks) => ticks.map((tick) => numberText(tick, 6)), space: 60 },
           { ...axis, size: 74, values: (_, ticks) => ticks.map((tick) => (tick == null ? "" : numberText(tick, log ? 2 : 7))) },
         ],
@@ -202,9 +202,9 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
   const legend = useMemo(() => <Legend curves={curves} />, [shape]);
   return (
     <section className="plot card" aria-label={title}>
-      <h3>
+      <h2>
         {title} <span className="quiet small">{yLabel}</span>
-      </h3>
+      </h2>
       {legend}
       {!!limits?.length && (
         <p className="small quiet limits">

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
-from robophm.cli.shared.measured import Bags, Gap, Most, SignalName, Together, max_age, nanoseconds, warn_of
+from robophm.cli.shared.measured import Apart, Bags, Gap, Most, SignalName, Together, max_age, nanoseconds, warn_of
 from robophm.cli.shared.options import Json
 from robophm.cli.shared.output import console, print_json, print_table, progress_console, table
 from robophm.cli.shared.progress import counted
@@ -18,6 +18,7 @@ from robophm.core.counted_notes import said
 from robophm.core.signal import HOUR
 from robophm.measured.find import MOST_HITS, Condition, Found, find
 from robophm.measured.recordings import Recorded, Signal, recordings, signal_of
+from robophm.measured.splits import drives_of
 from robophm.report.words import duration_text, moment_text, number_text
 
 
@@ -56,19 +57,22 @@ def command(
     at_least: Annotated[str, typer.Option("--for", help="without interruption, e.g. '10 s'")] = "0 s",
     gap: Gap = "5 s",
     together: Together = False,
+    apart: Apart = False,
     most: Most = 20,
     as_json: Json = False,
 ) -> None:
     """Where a value is above, below or between levels, changes fast, is stuck or missing, for at least so long."""
     search = Search(above, below, faster, stuck, missing, at_least)
-    if as_json:
-        refuse_unused(
-            "JSON, which lists as many as may be", ("signal", *(one.name for one in fields(Search)), "gap", "together")
-        )
+    path = "a search" + " as JSON, which lists as many as may be" * as_json
+    refuse_unused(path, ("signal", *(one.name for one in fields(Search)), "gap", "together",
+                         *["apart"] * (not together), *["most"] * (not as_json)))  # fmt: skip
     age = max_age(gap)
     each = recordings(bags, together=together)
     sought = signal_of(signal, each)
     condition = search.condition(sought)
+    if not apart:
+        with counted(progress_console(), "looking") as advance:
+            each = drives_of(each, advance)
     with counted(progress_console(), "searching") as advance:
         hits = find(each, sought, condition, age, advance)
     if as_json:

@@ -12,6 +12,7 @@ import typer
 from rich.console import Console
 
 from robophm.cli.shared.measured import (
+    Apart,
     Bags,
     Bins,
     Gap,
@@ -54,9 +55,7 @@ def command(
     bins: Bins = 20,
     gap: Gap = "5 s",
     together: Together = False,
-    apart: Annotated[
-        bool, typer.Option("--apart", help="each file for itself, also those that follow each other")
-    ] = False,
+    apart: Apart = False,
     to: Annotated[Path | None, typer.Option(help="write those of --every, or of all, as a table, .csv")] = None,
     report: Page = None,
     force: Overwrite = False,

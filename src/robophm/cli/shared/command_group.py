@@ -10,6 +10,8 @@ from typing import Any, ClassVar
 import typer
 from typer.core import TyperCommand, TyperGroup
 
+from robophm.cli.shared.surplus_arguments import StrictCommand
+
 
 class CommandGroup(TyperGroup):
     """Lists its commands by a line of help each; the file of one is imported when that is asked for.
@@ -41,6 +43,8 @@ class CommandGroup(TyperGroup):
         if not isinstance(command, typer.Typer):
             function, command = command, typer.Typer(add_completion=False, rich_markup_mode=None)
             command.command(cmd_name)(function)
+        for one in command.registered_commands:
+            one.cls = StrictCommand
         return typer.main.get_command(command)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:

@@ -21,6 +21,7 @@ SignalName = Annotated[str, typer.Option("--signal", help="/topic.field, /topic.
 SignalNames = Annotated[list[str], typer.Option("--signal", help="/topic.field, [2] or [name] of an array; several")]
 Gap = Annotated[str, typer.Option("--gap", help="a value holds so long at most; after that nothing is known")]
 Together = Annotated[bool, typer.Option("--together", help="the recordings are one drive, not each for itself")]
+Apart = Annotated[bool, typer.Option("--apart", help="each file for itself, also those that follow each other")]
 Overwrite = Annotated[bool, typer.Option("--force", help="also where the file exists")]
 Bins = Annotated[int, typer.Option("--bins", help="levels at most", min=2, max=1000)]
 Most = Annotated[int, typer.Option("--most", help="to list", min=1, max=100_000)]

@@ -13,7 +13,7 @@ from robophm.health.alarms import Alarm
 from robophm.health.outlooks import View
 from robophm.health.prognosis import RemainingLife
 from robophm.health.report import VIEWS, ComponentHealth, HealthReport
-from robophm.health.subject import STALE, State, Subject
+from robophm.health.subject import FAILED, STALE, State, Subject
 from robophm.health.unknown_rates import PartsOfUnknownRate, marked, marks
 from robophm.health.worn import WEAR, SeenWear, moment
 from robophm.transports.signals.report_sink import JudgedTask
@@ -140,7 +140,8 @@ def health(report: HealthReport, of: Subject | ComponentHealth) -> Fields:
         completions = dict.fromkeys(VIEWS)
         silent = any(flag.startswith(STALE) for flag in of.flags)
         worn = any(flag.startswith(WEAR) for flag in of.flags)
-        state = "stale" if silent else "warn" if of.unknown or worn else "ok"
+        lost = any(flag.startswith(FAILED) for flag in of.flags)
+        state = "error" if lost else "stale" if silent else "warn" if of.unknown or worn else "ok"
     fields: dict[str, Any] = {
         "header": {"stamp": stamp(report.time)},
         "path": of.path,

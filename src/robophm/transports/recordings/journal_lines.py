@@ -14,6 +14,7 @@ from typing import NamedTuple
 from robophm.core.errors import SourceError
 from robophm.core.signal import Sample
 from robophm.transports.recordings.files import reading
+from robophm.transports.recordings.journal_parts import reader
 from robophm.transports.recordings.text import LONGEST_LINE
 
 NAME = b"# robophm journal "
@@ -61,7 +62,7 @@ def titled(path: Path) -> bool:
 
     One whose first block was not on the disk when power was cut begins with zeros, and is told by a line that is sound.
     """
-    with reading(path), path.open("rb") as file:
+    with reading(path), reader(path) as file:
         head = file.readline(len(TITLE) + 8)
         if head.startswith(b"\0") and any(map(is_sound, iter(lambda: file.readline(LONGEST_LINE), b""))):
             return True
@@ -76,7 +77,7 @@ def titled(path: Path) -> bool:
 
 def was_begun(path: Path) -> bool:
     """Whether a file has more than the beginning of a first line, which power that was cut may have left."""
-    with reading(path), path.open("rb") as file:
+    with reading(path), reader(path) as file:
         head = file.read(4096)
     return b"\n" in head or not TITLE.startswith(head.rstrip(b"\0"))
 
@@ -87,8 +88,8 @@ def lines(path: Path, start: int = 0) -> Iterator[JournalLine]:
     Raises SourceError where the file is none.
     """
     checked = titled(path)
-    with reading(path), path.open("rb") as file:
-        end = file.seek(start)
+    with reading(path), reader(path) as file:
+        end = file.seek(start) if start else 0  # a packed part is read from its beginning
         for number, line in enumerate(iter(lambda: file.readline(LONGEST_LINE), b""), 1):
             end += len(line)
             checked = checked or line == TITLE or is_sound(line)
@@ -108,7 +109,7 @@ def begins_at(path: Path, place: int) -> bool:
     """Whether what follows a place in a journal can be read without what is before it. Raises SourceError."""
     if titled(path):
         return True
-    with reading(path), path.open("rb") as file:
+    with reading(path), reader(path) as file:
         file.seek(place)
         line = file.readline(LONGEST_LINE)
     return line in (b"", TITLE) or is_sound(line)

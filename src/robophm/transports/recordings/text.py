@@ -27,9 +27,12 @@ class TextSource(SignalSource):
             raise SourceError(f"{self.path}: is no regular file")
         self.notes = Counter()
         self._spans: list[tuple[int, int]] = []
-        with reading(self.path), self.path.open("rb") as file:
-            self.fingerprint = hashlib.file_digest(file, "sha256").hexdigest()
+        self.fingerprint = self._fingerprint()
         self.signals = self._signals()
+
+    def _fingerprint(self) -> str:
+        with reading(self.path), self.path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
 
     @abstractmethod
     def _signals(self) -> frozenset[str]: ...

@@ -16,7 +16,7 @@ from robophm.health.failures_to_come import FailuresToCome
 from robophm.health.limits import LimitedValue
 from robophm.health.report import HealthReport
 from robophm.health.reporting import health_report
-from robophm.health.subject import STALE
+from robophm.health.subject import FAILED, STALE
 from robophm.report.failures_to_come import notes
 from robophm.web.prepared_robot import finite
 from robophm.web.routes.design import REFUSED
@@ -115,7 +115,7 @@ def _state(
     limits: Sequence[LimitedValue], flags: Sequence[str], *, watched: bool
 ) -> Literal["ok", "warn", "error", "stale", "idle"]:
     broken = {one.severity for one in limits if one.broken}
-    if "error" in broken:
+    if "error" in broken or any(flag.startswith(FAILED) for flag in flags):
         return "error"
     if any(flag.startswith(STALE) for flag in flags):
         return "stale"

@@ -9,6 +9,7 @@ from pydantic import Field
 
 from robophm.calibration.promised_failures import CountedFailures, promised_failures
 from robophm.core.signal import DAY, HOUR, SECOND
+from robophm.health.service import failures
 from robophm.stores.figures import FIGURES, Array
 from robophm.stores.store import POINTS
 from robophm.stores.trend import trend
@@ -121,7 +122,7 @@ class HonestyOfSpan(Shape):
     designed: float | None
     """The same by the nominal figures; null where these do not tell."""
     noted: int
-    """Failures of parts without which the robot does not work, as they were noted with a service."""
+    """Failures of parts without which the robot does not work, as they were noted, alone or with a service."""
     chance: float
     """Chance of a count as far off as this, if the promise was right."""
     says: str
@@ -210,7 +211,7 @@ def get_honesty(service: Served) -> Honesty:
         stretches = [history.figures(start, last, MOST_POINTS) for start in (last - 30 * DAY, None)]
     ledger = service.monitoring.last_ledger(prepared.robot)
     parts = {mode.key: part.path for part in prepared.robot.all_components() for mode in part.modes}
-    failed = {(one.time, parts.get(one.mode, "")) for one in ledger.services if one.failed}
+    failed = {(one.time, parts.get(one.mode, "")) for one in failures(ledger)}
     alone = [at for at, part in failed if part in prepared.single_points]
     for series in stretches:
         promised = promised_failures(series, [one.time for one in ledger.services], "sensor_based")

@@ -112,8 +112,9 @@ def test_an_index_that_points_elsewhere_loses_nothing(compression: str, suffix: 
         indices = [(at + 15, 8, 8) for at in records(content, 7) if content[at + 11 : at + 15] == b"\x10\0\0\0"]
     assert len(indices) >= 6
     damaged = tmp_path / f"y{suffix}"
+    offsets = (1, 1 << 31) if compression == "BZ2" else (1, 5000, 1 << 20, 1 << 31)  # it takes ten times as long
     for place, ahead, width in indices:
-        for offset in (1, 5000, 1 << 20, 1 << 31):
+        for offset in offsets:
             changed = bytearray(content)
             changed[place + ahead : place + ahead + width] = offset.to_bytes(width, "little")
             damaged.write_bytes(changed)

@@ -1,0 +1,29 @@
+"""``robophm fleet``: many robots that report to one service. Each command is a file here."""
+
+from __future__ import annotations
+
+import typer
+
+from robophm.cli.shared.command_group import CommandGroup
+
+COMMANDS = {
+    "serve": "Take the reports of robots, until it is interrupted.",
+    "token": "Make a robot's token, and print how it reports to the fleet with it.",
+    "status": "How each robot of a fleet is, by what it last sent, and what was lost or refused.",
+    "worst": "The robots that fail most probably within a horizon, worst first, and by what.",
+    "history": "The figures of one robot over time.",
+    "export": "Write the reports of robots as a table, or their ledgers.",
+}
+
+
+class _Fleet(CommandGroup):
+    package = "robophm.cli.fleet"
+    lines = COMMANDS
+
+
+command = typer.Typer(cls=_Fleet, no_args_is_help=True, add_completion=False, rich_markup_mode=None)
+
+
+@command.callback()
+def _fleet() -> None:
+    """Many robots: take their reports, and say how each is and which fail first."""

@@ -1,0 +1,75 @@
+"""``robophm fleet export``: reports as a table, or ledgers, for other programs."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from robophm.cli.shared.fleet import FleetStorePath
+from robophm.cli.shared.options import Force, Json
+from robophm.cli.shared.output import console, may_make, print_json
+from robophm.core.errors import RobophmError
+from robophm.core.files import replacing
+from robophm.fleet.questions import present, reports
+from robophm.fleet.store import FleetStore
+from robophm.report.words import count_text
+from robophm.stores.outbox import COLUMNS
+
+SUFFIXES = (".csv", ".jsonl")
+
+
+def command(
+    store: FleetStorePath,
+    to: Annotated[Path, typer.Option("--to", help=".csv: all reports; .jsonl: each robot's newest ledger and report")],
+    robot: Annotated[str | None, typer.Option(help="of this robot alone")] = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Write the reports of robots as a table, or their ledgers."""
+    may_make(to, store, force=force, suffixes=SUFFIXES)
+    count = 0
+    try:
+        with FleetStore(store) as fleet, replacing(to) as stream:
+            for line in _table(fleet, robot) if to.suffix == ".csv" else _ledgers(fleet, robot):
+                stream.write(line.encode())
+                count += 1
+    except OSError as error:
+        raise RobophmError(f"{to}: cannot be written: {error.strerror}") from None
+    rows = count - (to.suffix == ".csv")
+    if as_json:
+        print_json({"file": str(to), "rows": rows})
+    else:
+        console().print(f"Written: {to}, {count_text(rows)} rows", markup=False)
+
+
+def _table(fleet: FleetStore, robot: str | None) -> Iterator[str]:
+    """The lines of a table of reports; empty where there is no value."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+
+    def line(values: list[object]) -> str:
+        text.seek(0)
+        text.truncate()
+        writer.writerow(values)
+        return text.getvalue()
+
+    yield line(["robot", "epoch", "seq", "time [ns]", "received [ns]", "thinned", *COLUMNS])
+    for one in reports(fleet, robot):
+        figures = ["" if math.isnan(value) else f"{value:.9g}" for value in one.figures]
+        yield line([*one[:-1], *figures])
+
+
+def _ledgers(fleet: FleetStore, robot: str | None) -> Iterator[str]:
+    """A line of JSON for each robot; its ledger stands in it letter by letter as it was sent."""
+    names = [robot] if robot else [name for (name,) in fleet.rows("SELECT name FROM robot ORDER BY name")]
+    for name in names:
+        if (found := present(fleet, name)) is not None:
+            ledger, report = found
+            yield f'{{"robot": {json.dumps(name)}, "ledger": {ledger}, "report": {json.dumps(report)}}}\n'

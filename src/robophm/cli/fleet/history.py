@@ -1,0 +1,76 @@
+"""``robophm fleet history``: the figures of one robot over time."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from robophm.cli.shared.fleet import FleetStorePath
+from robophm.cli.shared.options import Json, moment_of
+from robophm.cli.shared.output import console, print_json, print_table, table, warn
+from robophm.core.errors import RobophmError
+from robophm.core.json_values import plain
+from robophm.core.signal import HOUR
+from robophm.fleet.questions import history
+from robophm.fleet.store import FleetStore
+from robophm.report.curve import sparkline
+from robophm.report.words import count_text, duration_text, moment_text, number_text
+from robophm.stores.outbox import COLUMNS
+from robophm.stores.store import MOST_POINTS, POINTS
+
+TITLES = {
+    "hazard_rate.sensor_based": "λ, sensor-based [1/h]",
+    "unreliability.sensor_based": "1 − R, sensor-based",
+    "remaining_life.sensor_based": "RUL, median, sensor-based [h]",
+    "task_failure.sensor_based": "1 − PoTC, sensor-based",
+    "failure_within.24": "P(fails within 1 day)",
+    "failure_within.168": "P(fails within 1 week)",
+    "failure_within.720": "P(fails within 30 days)",
+    "operating": "hours of operation",
+}
+
+
+def command(
+    robot: Annotated[str, typer.Argument(help="name of the robot in the fleet")],
+    store: FleetStorePath,
+    start: Annotated[
+        str | None, typer.Option("--from", metavar="TIME", help="first time, as 2026-03-04T12:00, UTC")
+    ] = None,
+    end: Annotated[str | None, typer.Option("--to", metavar="TIME", help="time before which it ends")] = None,
+    points: Annotated[int, typer.Option(help="at most so many in each curve", min=2, max=MOST_POINTS)] = POINTS,
+    as_json: Json = False,
+) -> None:
+    """The figures of one robot over time."""
+    first, last = (None if text is None else moment_of(name, text) for name, text in (("--from", start), ("--to", end)))
+    if first is not None and last is not None and first >= last:
+        raise RobophmError(f"--to {end}: expected a time after --from {start}")
+    with FleetStore(store) as fleet:
+        found = history(fleet, robot, first, last, points)
+    series = found.series
+    if found.ahead:
+        warn(f"{count_text(found.ahead)} reports are of a time ahead of the fleet's clock, and left out")
+    if as_json:
+        parts = {"low": series.low, "mean": series.mean, "high": series.high} if series.width else {"mean": series.mean}
+        figures = {
+            name: {part: plain(values[:, at].tolist()) for part, values in parts.items()}
+            for at, name in enumerate(COLUMNS)
+        }
+        print_json({"robot": robot, "left_out": found.ahead, "width": series.width, "times": series.times.tolist(),
+                    "figures": figures})  # fmt: skip
+        return
+    out = console()
+    if not len(series.times):
+        out.print(f"{robot}: no reports of that time", markup=False)
+        return
+    span = f"{moment_text(int(series.times[0]))} to {moment_text(int(series.times[-1]))}"
+    each = f"points of {duration_text(series.width / HOUR)}" if series.width else "reports"
+    out.print(f"{robot}, {span}, {count_text(len(series.times))} {each}", markup=False)
+    rows = []
+    for name, title in TITLES.items():
+        low, mean, high = (values[:, COLUMNS.index(name)] for values in (series.low, series.mean, series.high))
+        if not np.isnan(mean).all():
+            spread = (np.nanmin(low), np.nanmax(high), mean[~np.isnan(mean)][-1])
+            rows.append([title, sparkline(mean, 30), *map(number_text, spread)])
+    print_table(out, table("", ("figure", "course", "lowest", "highest", "last"), rows, figures=range(2, 5)))

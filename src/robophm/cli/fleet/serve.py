@@ -1,0 +1,48 @@
+"""``robophm fleet serve``: the service that robots report to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from robophm.cli.shared.fleet import FleetStorePath
+from robophm.cli.shared.output import console
+from robophm.core.errors import RobophmError
+
+LACKING = "a fleet's service needs what `pip install 'robophm[web]'` installs"
+
+
+def command(
+    store: FleetStorePath,
+    host: Annotated[str, typer.Option(help="address to listen on; any but 127.0.0.1 is served over TLS")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(min=0, max=65535, help="0 is any that is free")] = 8708,
+    certificate: Annotated[
+        Path | None, typer.Option(help="certificate for TLS, in PEM; else one is made where others reach it")
+    ] = None,
+    key: Annotated[Path | None, typer.Option(help="its key, where that is in no file with it")] = None,
+    proxy: Annotated[
+        list[str] | None,
+        typer.Option(help="address of a reverse proxy that ends TLS before the service", metavar="ADDRESS"),
+    ] = None,
+) -> None:
+    """Take the reports of robots, until it is interrupted."""
+    if key and not certificate:
+        raise RobophmError("--key is that of a certificate; expected --certificate too")
+    try:
+        from robophm.fleet.serving import FleetSettings, serve_fleet
+    except ModuleNotFoundError as error:
+        if error.name and error.name.partition(".")[0] in ("fastapi", "uvicorn", "starlette", "websockets", "h11"):
+            raise RobophmError(f"{LACKING}: there is no {error.name}") from None
+        raise
+
+    def ready(address: str, fingerprint: str, _: Callable[[], None]) -> None:
+        out = console()
+        out.print(f"Robots report to {address}robots/NAME until Ctrl+C", markup=False, soft_wrap=True)
+        if fingerprint:
+            said = f"Its certificate has the SHA-256 fingerprint {fingerprint}"
+            out.print(said, markup=False, emoji=False, soft_wrap=True)
+
+    serve_fleet(FleetSettings(store, host, port, certificate, key, tuple(proxy or ())), ready)

@@ -1,0 +1,44 @@
+"""Options of commands about a fleet, and the sending of a robot's reports to one."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from robophm.cli.shared.output import warn
+from robophm.core.errors import RobophmError
+
+if TYPE_CHECKING:
+    from robophm.fleet.address import FleetAddress
+    from robophm.fleet.sender import Sender
+
+TOKEN = "ROBOPHM_FLEET_TOKEN"
+"""The variable of the environment that holds a robot's token."""
+
+FleetStorePath = Annotated[Path, typer.Option("--store", help="the fleet's store, a SQLite file")]
+Fleet = Annotated[
+    str | None,
+    typer.Option(help=f"send reports to https://host/robots/NAME, with the token in {TOKEN}", metavar="URL"),
+]
+
+
+def fleet_address(text: str, store: str | None) -> FleetAddress:
+    """Return where a robot reports to. Raises RobophmError where that is none, or a store or token is missing."""
+    from robophm.fleet.address import FleetAddress
+
+    found = FleetAddress.of(text)
+    if store is None:
+        raise RobophmError("--fleet: what waits to be sent is kept in the robot's store; expected --store too")
+    if not os.environ.get(TOKEN):
+        raise RobophmError(f"--fleet: expected the robot's token in {TOKEN}, as robophm fleet token printed it")
+    return found
+
+
+def sender(store: str, robot: str, fleet: FleetAddress) -> Sender:
+    """Begin to send a robot's reports, by its identity in its store; what is in the way is said as warnings."""
+    from robophm.fleet.sender import Sender
+
+    return Sender(store, robot, fleet, os.environ[TOKEN], warn)

@@ -1,0 +1,242 @@
+"""Answers of a fleet's store: how each robot is, which fail first, and what was before."""
+
+from __future__ import annotations
+
+import json
+import math
+import zlib
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from robophm.core.errors import RobophmError, StoreError
+from robophm.core.signal import SECOND
+from robophm.core.units import quantity
+from robophm.fleet.store import FleetStore, figures_of_bytes, present_sum
+from robophm.stores.figures import STATES, FigureSeries, joined
+from robophm.stores.outbox import BOUNDS, CHANCES, COLUMNS, HORIZONS
+
+BELIEVED = 60.0
+"""Seconds by which a robot's clock may differ from the fleet's before that is told."""
+
+AT_ONCE = 20_000
+"""Reports that are in memory at a time."""
+
+_STATE, _BOUND = COLUMNS.index("state"), COLUMNS.index("bound")
+
+
+class RobotStatus(NamedTuple):
+    """A robot of the fleet, by what it last sent."""
+
+    robot: str
+    design: str | None
+    """Name of its design, by the newest whole report."""
+    design_hash: str | None
+    state: str | None
+    """The state in one word, as in its report; None where there is none."""
+    time: int | None
+    """Time of its newest report by its own clock [ns since the epoch]."""
+    heard: int | None
+    """Time when it last sent something by the fleet's clock [ns since the epoch]."""
+    clock_ahead: float | None
+    """Seconds by which its clock was ahead of the fleet's then; below zero, behind."""
+    waiting: int | None
+    """Reports that waited at the robot then."""
+    reports: int
+    thinned: int
+    """Reports that the robot let go of, as too many waited."""
+    missing: int
+    """Numbers of reports that neither came nor were let go of."""
+    refused: dict[str, int]
+    """Numbers of what was refused, by reason."""
+
+
+class Risk(NamedTuple):
+    """The probability that a robot fails within a horizon, as its newest report states it."""
+
+    robot: str
+    chance: float
+    bound: str | None
+    """Relation of it to the true one, where rates of parts are unknown: "at least" or "if they never fail"."""
+    first: str | None
+    """The part, or group, of which most of those failures would come; None where that was not sent."""
+    share: float | None
+    """Share of it in them."""
+    state: str | None
+    remaining_life: float
+    """Median remaining life [h]; NaN where it is not known."""
+    time: int
+    """Time of the report by the robot's clock [ns since the epoch]."""
+    received: int
+    """Time when it came by the fleet's clock [ns since the epoch]."""
+    clock_ahead: float
+    """Seconds by which the robot's clock was ahead of the fleet's when it last sent."""
+
+
+class Worst(NamedTuple):
+    """The robots that fail most probably within a horizon, worst first."""
+
+    horizon: float
+    """Time ahead [h]."""
+    robots: list[Risk]
+    of: int
+    """Number of robots whose probability is known."""
+    unknown: int
+    """Number of robots of the fleet whose probability is not known, which are in no list."""
+
+
+def status(store: FleetStore) -> list[RobotStatus]:
+    """Return how each robot is, by name. Raises StoreError."""
+    refused: dict[str, dict[str, int]] = {}
+    for robot, why, count in store.rows("SELECT robot, why, number FROM refused ORDER BY robot, why"):
+        refused.setdefault(robot, {})[why] = count
+    rows = store.rows(
+        "SELECT robot.name, present.design, present.design_hash, newest.robot, newest.epoch, newest.seq, newest.time, "
+        "newest.figures, heard, clock_ahead, waiting, "
+        "(SELECT ifnull(sum(reports), 0) FROM epoch WHERE epoch.robot = robot.number), "
+        "(SELECT ifnull(sum(thinned), 0) FROM epoch WHERE epoch.robot = robot.number), "
+        "(SELECT ifnull(sum(missing), 0) FROM epoch WHERE epoch.robot = robot.number) "
+        "FROM robot LEFT JOIN newest ON newest.robot = robot.number LEFT JOIN present ON present.robot = robot.number "
+        "ORDER BY robot.name"
+    )
+    found = []
+    for name, design, digest, *key, time, figures, heard, ahead, waiting, reports, thinned, missing in rows:
+        state = None if figures is None else _state(figures_of_bytes((key[0], key[1], key[2]), time, figures))
+        found.append(RobotStatus(name, design, digest, state, time, heard, ahead, waiting, reports, thinned, missing,
+                                 refused.get(name, {})))  # fmt: skip
+    return found
+
+
+def refused_of_nobody(store: FleetStore) -> dict[str, int]:
+    """Return the numbers of what was refused without being known whose it was, by reason. Raises StoreError."""
+    return dict(store.rows("SELECT why, number FROM refused WHERE robot = '' ORDER BY why"))
+
+
+def horizon_of(text: str) -> float:
+    """Return one of the horizons [h] that reports state, by its words. Raises RobophmError where they state another."""
+    hours = quantity(text, "h")
+    for one in HORIZONS:
+        if math.isclose(one, hours):
+            return one
+    raise RobophmError(f"--horizon {text!r:.40}: robots report of '1 day', '1 week' and '30 day'; expected one of them")
+
+
+def worst(store: FleetStore, horizon: float, most: int) -> Worst:
+    """Return the robots that fail most probably within one of HORIZONS [h]. Raises StoreError."""
+    at = HORIZONS.index(horizon)
+    column = f"chance_{at}"
+    rows = store.rows(
+        "SELECT robot.name, newest.robot, newest.epoch, newest.seq, newest.time, newest.received, newest.figures, "
+        "clock_ahead, iif(present.time = newest.time, present.ahead, '[]') "
+        f"FROM newest INDEXED BY newest_{at} JOIN robot ON robot.number = newest.robot "
+        f"LEFT JOIN present ON present.robot = newest.robot WHERE {column} IS NOT NULL "
+        f"ORDER BY {column} DESC LIMIT ?", (most,),
+    )  # fmt: skip
+    found = []
+    for name, number, epoch, seq, time, received, kept, clock_ahead, ahead in rows:
+        figures = figures_of_bytes((number, epoch, seq), time, kept)
+        why: dict[str, Any] = next((one for one in json.loads(ahead or "[]") if one["horizon"] == horizon), {})
+        life = figures[COLUMNS.index("remaining_life.sensor_based")]
+        bound = None if math.isnan(figures[_BOUND]) else BOUNDS[int(figures[_BOUND])]
+        found.append(Risk(name, figures[COLUMNS.index(CHANCES[at])], bound, why.get("first"), why.get("share"),
+                          _state(figures), life, time, received, clock_ahead))  # fmt: skip
+    of = store.rows(f"SELECT count(*) FROM newest WHERE {column} IS NOT NULL")[0][0]
+    return Worst(horizon, found, of, store.rows("SELECT count(*) FROM robot")[0][0] - of)
+
+
+class RobotHistory(NamedTuple):
+    """The figures of one robot over time."""
+
+    series: FigureSeries
+    """Figures in the order of COLUMNS."""
+    ahead: int
+    """Number of reports in the store whose time lies ahead of the fleet's clock: those are not in the series."""
+
+
+def history(store: FleetStore, robot: str, start: int | None, end: int | None, points: int) -> RobotHistory:
+    """Return a robot's figures from a time until before another [ns], None being open, in at most so many points.
+
+    Where there were more reports, each is the lowest, mean and highest of a span of time. Raises RobophmError.
+    """
+    number = store.number_of(robot)
+    window = number, -(2**63) if start is None else start, 2**63 - 1 if end is None else end
+    believed = f"robot = ? AND time >= ? AND time < ? AND time <= received + {round(BELIEVED * SECOND)}"
+    ((count, first, last),) = store.rows(f"SELECT count(*), min(time), max(time) FROM report WHERE {believed}", window)
+    width = -(-(last - first + 1) // (points - 1)) if count > points else 0
+    parts = [joined(one, width) if width else one for one in _series(store, number, believed, window)]
+    whole = _in_order(width, parts or [_NOTHING])
+    ((ahead,),) = store.rows(
+        f"SELECT count(*) FROM report WHERE robot = ? AND time > received + {round(BELIEVED * SECOND)}", (number,)
+    )
+    return RobotHistory(joined(whole, width) if width else whole, ahead)
+
+
+_NO_VALUES = np.empty((0, len(COLUMNS)))
+_NOTHING = FigureSeries(0, np.empty(0, np.int64), _NO_VALUES.astype(np.int64), _NO_VALUES, _NO_VALUES, _NO_VALUES)
+
+
+def _in_order(width: int, parts: Sequence[FigureSeries]) -> FigureSeries:
+    """All parts as one series in order of time."""
+    arrays = [np.concatenate(each) for each in zip(*(one[1:] for one in parts), strict=True)]
+    order = np.argsort(arrays[0], kind="stable")
+    return FigureSeries._make((width, *(each[order] for each in arrays)))
+
+
+def _series(store: FleetStore, robot: int, where: str, window: tuple[int, int, int]) -> Iterator[FigureSeries]:
+    """The figures of reports of a robot, some thousands at a time, each one in order of its time."""
+    epoch = seq = -1
+    while rows := store.rows(
+        f"SELECT epoch, seq, time, figures FROM report WHERE {where} AND (epoch, seq) > (?, ?) "
+        "ORDER BY epoch, seq LIMIT ?", (*window, epoch, seq, AT_ONCE),
+    ):  # fmt: skip
+        epoch, seq = rows[-1][:2]
+        values = np.array([figures_of_bytes((robot, *row[:2]), row[2], row[3]) for row in rows])
+        times = np.array([row[2] for row in rows], np.int64)
+        order = np.argsort(times, kind="stable")
+        values = values[order]
+        yield FigureSeries(0, times[order], (~np.isnan(values)).astype(np.int64), values, values, values)
+
+
+class Exported(NamedTuple):
+    """One report of a fleet, with all that is kept of it."""
+
+    robot: str
+    epoch: int
+    seq: int
+    time: int
+    received: int
+    thinned: int
+    figures: tuple[float, ...]
+
+
+def reports(store: FleetStore, robot: str | None = None) -> Iterator[Exported]:
+    """Yield the reports of all robots, or of one, in their order. Raises RobophmError."""
+    chosen = [(robot, store.number_of(robot))] if robot else store.rows("SELECT name, number FROM robot ORDER BY name")
+    for name, number in chosen:
+        epoch = seq = -1
+        while rows := store.rows(
+            "SELECT epoch, seq, time, received, thinned, figures FROM report WHERE robot = ? AND (epoch, seq) > (?, ?) "
+            "ORDER BY epoch, seq LIMIT ?", (number, epoch, seq, AT_ONCE),
+        ):  # fmt: skip
+            for epoch, seq, time, received, thinned, kept in rows:
+                figures = figures_of_bytes((number, epoch, seq), time, kept)
+                yield Exported(name, epoch, seq, time, received, thinned, figures)
+
+
+def present(store: FleetStore, robot: str) -> tuple[str, dict[str, Any] | None] | None:
+    """Return the text of a robot's newest ledger, and its newest whole report; None before it has sent any.
+
+    Raises RobophmError where there is no such robot, StoreError where it is not what was kept.
+    """
+    rows = store.rows("SELECT ledger, report, sum FROM present WHERE robot = ?", (store.number_of(robot),))
+    if not rows:
+        return None
+    ledger, report, told = rows[0]
+    if present_sum(ledger, report) != told:
+        raise StoreError(f"{store.path}: the ledger of {robot} is damaged: its checksum is another")
+    return zlib.decompress(ledger).decode(), json.loads(zlib.decompress(report))
+
+
+def _state(figures: tuple[float, ...]) -> str | None:
+    return None if math.isnan(figures[_STATE]) else STATES[int(figures[_STATE])]

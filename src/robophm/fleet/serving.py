@@ -1,0 +1,46 @@
+"""The fleet's service on a port, until it is told to stop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from robophm.fleet.app import create_app
+from robophm.fleet.store import FleetStore
+from robophm.web.access.certificate import fingerprint, own_certificate
+from robophm.web.access.proxies import Proxies, is_loopback
+from robophm.web.serving import Place, heeding, serve_app
+
+
+@dataclass(frozen=True)
+class FleetSettings:
+    """The settings that the service was started with."""
+
+    store: Path
+    host: str = "127.0.0.1"
+    port: int = 0
+    certificate: Path | None = None
+    """Certificate of the service, and its key where that is in no file of its own."""
+    key: Path | None = None
+    proxies: tuple[str, ...] = ()
+    """Addresses of reverse proxies that end TLS before the service."""
+
+
+def serve_fleet(settings: FleetSettings, ready: Callable[[str, str, Callable[[], None]], None]) -> None:
+    """Serve until interrupted; ``ready`` is told the address, the certificate's fingerprint, and how to stop it.
+
+    Where others reach it, and no proxy is before it, all goes over TLS, by a certificate of its own unless one is
+    given. Raises RobophmError where store, address or certificate cannot be had.
+    """
+    proxies = Proxies(settings.proxies)
+    with heeding() as wish, FleetStore(settings.store, make=True) as store:
+        certificate = settings.certificate
+        if not (certificate or proxies or is_loopback(settings.host)):
+            certificate = own_certificate(settings.store.with_name(f"{settings.store.name}.pem"), settings.host)
+
+        def begun(address: str) -> None:
+            ready(address, fingerprint(certificate) if certificate else "", wish.stop)
+
+        place = Place(settings.host, settings.port, certificate, settings.key, proxies.believed)
+        serve_app(create_app(store), place, wish, begun)
