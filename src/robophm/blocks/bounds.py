@@ -156,6 +156,7 @@ class _Pass:
         self.least = self.cut_off
 
     def run(self) -> Chance:
+        """Return the bounds of the last gate, of which alone the table then holds the diagrams."""
         left = [0] * (self.variables + len(self.gates))
         for _, inputs in self.gates:
             for i in inputs:
@@ -172,6 +173,8 @@ class _Pass:
                     self.functions[i] = FALSE, FALSE
             if len(self.table.level) > _KEPT or self.table.steps() > self.limit // 2:
                 self._made_anew()
+        del self.functions[:-1]
+        self._made_anew()  # of what is kept, nothing else is held
         low, high = self.functions[-1]
         return self._chance(low, high)
 

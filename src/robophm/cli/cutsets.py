@@ -6,9 +6,10 @@ from typing import Annotated
 
 import typer
 
-from robophm.cli.shared.fault_trees import of_robot, print_sets, sets_json
-from robophm.cli.shared.options import Design, Json, MostSets, Order, time_option
+from robophm.cli.shared.fault_trees import answer_json, answer_text, of_robot, print_sets, sets_json
+from robophm.cli.shared.options import Design, Json, Limit, MostSets, Order, time_option
 from robophm.cli.shared.output import console, print_json
+from robophm.cli.shared.unused import refuse_unused
 from robophm.design.file import load
 from robophm.report.words import probability_text
 
@@ -22,18 +23,25 @@ def command(
     ] = False,
     at: Annotated[float, time_option("--at", "of operation, when new: at which to state probabilities")] = 1000.0,
     most: MostSets = 20,
+    limit: Limit = 60.0,
     as_json: Json = False,
 ) -> None:
     """The smallest sets of parts whose failure fails a robot, the likeliest first."""
     system = of_robot(load(design), function, at)
-    kind, probability = "path" if paths else "cut", system.event.probability
-    listed = system.event.path_sets(most, order) if paths else system.event.cut_sets(most, order)
+    if paths:
+        refuse_unused("path sets, of which all are found", ("design", "function", "order", "paths", "at", "most"))
+        listed = system.event.path_sets(most, order)
+    kind, answer = "path" if paths else "cut", system.event.within(limit)
+    if not paths:
+        listed = answer.cut_sets(most, order)
     if as_json:
-        print_json({"system": system.name, "when": system.when, "unreliability": probability,
+        document = answer_json(answer)
+        document["unreliability"] = document.pop("probability")
+        print_json({"system": system.name, "when": system.when, **document,
                     f"{kind}_sets": sets_json(listed), **system.json})  # fmt: skip
         return
     out = console()
-    has_failed = system.fails(probability_text(probability))
+    has_failed = system.fails(probability_text(answer.chance.low) if answer.exact else answer_text(answer))
     out.print(f"{system.name}, {system.when}: has failed with {has_failed}", markup=False, soft_wrap=True)
     system.print_unknown()
     print_sets(listed, kind)

@@ -18,7 +18,7 @@ from robophm.cli.shared.fault_trees import (
     sets_alone,
     sets_json,
 )
-from robophm.cli.shared.options import ChanceSeed, Json, MostSets, Order, time_option
+from robophm.cli.shared.options import ChanceSeed, Json, Limit, MostSets, Order, time_option
 from robophm.cli.shared.output import console, estimate_text, may_write, print_json, write
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError
@@ -42,9 +42,7 @@ def command(
     order: Order = None,
     most: MostSets = 20,
     to: Annotated[Path | None, typer.Option(help="write the tree: as a model, .xml, or a design, .yaml")] = None,
-    limit: Annotated[
-        float, typer.Option(help="seconds after which proved bounds will do, where the tree is too large", min=0.1)
-    ] = 60.0,
+    limit: Limit = 60.0,
     monte_carlo: Annotated[
         int | None, typer.Option(min=1, max=1_000_000_000, help="only estimate the probability, by so many samples")
     ] = None,

@@ -87,6 +87,10 @@ Draws = Annotated[int, typer.Option(help="of uncertain rates and loads; 0 for no
 Future = Annotated[Literal["recent", "last", "nominal"], typer.Option("--future", help="stress and usage to come")]
 
 Order = Annotated[int | None, typer.Option(help="list the sets of at most so many parts, smallest first", min=1)]
+Limit = Annotated[
+    float,
+    typer.Option("--limit", help="seconds after which proved bounds will do, where the tree is too large", min=0.1),
+]
 MostSets = Annotated[int, typer.Option("--most", help="sets to list", min=1, max=100_000)]
 
 
