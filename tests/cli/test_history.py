@@ -11,6 +11,7 @@ import pytest
 import robophm
 from robophm.core.signal import SECOND
 from robophm.health.alarms import Alarm
+from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay
 from robophm.stores.events import Event
 from robophm.transports.recordings.recording import Recording
@@ -57,6 +58,22 @@ def test_in_words_and_as_a_page(inside, design, past, tmp_path):
     assert "Probability of having failed since new" in page
     assert "begun again" in page
     assert "<script" not in page
+
+
+def test_what_was_noted_before_the_first_recording_has_no_time(inside, design, tmp_path):
+    robot = robophm.load(design)
+    with robophm.open_store(tmp_path / "new.db") as store:
+        refused = inside("service", design, robot.modes[0].path, "--store", "new.db", "--replaced")
+        assert (refused.returncode, refused.stderr.count("\n")) == (3, 1)
+        assert "new.db: holds no robot's past yet" in refused.stderr
+        store.save(robot.identity, Monitor(robot).ledger.to_json())
+    part = robot.modes[0].path
+    noted = inside("service", design, part, "--store", "new.db", "--replaced", "--note", "spare")
+    assert noted.returncode == 0, noted.stderr
+    done = inside("history", design, "--store", "new.db", "--plot", "history.html")
+    assert done.returncode == 0, done.stderr
+    assert re.search(r"before its first recording +replacement .*: spare", done.stdout)
+    assert "1970" not in done.stdout
 
 
 def test_the_report_as_it_was_then_says_how_old_it_is(inside, design, past):
@@ -108,6 +125,7 @@ def test_a_mistake_is_one_line(inside, design, past, options, says):
 def test_another_robot_is_not_taken_for_it(inside, past, tmp_path):
     other = tmp_path / "other.yaml"
     other.write_text("schema_version: 1\nname: other\ncomponents: {motor: {rate: 8 FPMH}}\n")
-    done = inside("history", other, "--store", "past.db")
-    assert done.returncode == 3
-    assert "knows no robot 'other'" in done.stderr
+    for command in ("history", "alarms"):
+        done = inside(command, other, "--store", "past.db")
+        assert done.returncode == 3
+        assert "knows no robot 'other'" in done.stderr

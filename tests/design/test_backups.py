@@ -50,7 +50,7 @@ def test_a_design_is_written_whether_a_file_is_there_or_not(tmp_path):
     assert beside(path) == {}
     assert write(path, second).name == "S"
     assert (path.read_text(), beside(path)) == (second, {".bak": first})
-    with pytest.raises(DesignError, match=r"robot\.yaml:1: schema_version: None; expected 1"):
+    with pytest.raises(DesignError, match=r"robot\.yaml:1: schema_version: not stated; expected 1"):
         write(path, "name: T\n")
     assert (path.read_text(), beside(path)) == (second, {".bak": first})
     with pytest.raises(DesignError, match="cannot be written: No such file"):

@@ -26,7 +26,7 @@ def signal(text):
 
 # name: (the design, the line of the fault, what the error says after it)
 FAULTS = {
-    "no version": ("name: R\n", 1, "schema_version: None; expected 1"),
+    "no version": ("name: R\n", 1, "schema_version: not stated; expected 1"),
     "another version": ("schema_version: 2\n", 1, "schema_version: 2; expected 1"),
     "version as text": ("name: R\nschema_version: '1'\n", 2, "schema_version: '1'; expected 1"),
     "version true": ("schema_version: true\n", 1, "schema_version: True; expected 1"),

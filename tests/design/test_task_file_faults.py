@@ -35,7 +35,7 @@ def knows(text: str) -> str:
 
 # name: (the list, the line of the fault, what the error says after it)
 FAULTS = {
-    "no version": ("tasks: [{duration: 1 h}]\n", 1, "schema_version: None; expected 1"),
+    "no version": ("tasks: [{duration: 1 h}]\n", 1, "schema_version: not stated; expected 1"),
     "another version": ("tasks: []\nschema_version: 2\n", 2, "schema_version: 2; expected 1"),
     "no tasks": (HEAD, 1, "needs 'tasks'"),
     "empty list": (HEAD + "tasks: []\n", 2, "tasks: is empty; expected at least one"),

@@ -13,8 +13,8 @@ from robophm.cli.shared.output import console, print_json, print_table, table
 from robophm.core.errors import RobophmError
 from robophm.design.file import load
 from robophm.health.alarms import Alarm
+from robophm.monitoring.stored_past import stored_history
 from robophm.report.words import moment_text
-from robophm.stores import existing_store
 
 MOST_SHOWN = 50
 
@@ -32,7 +32,7 @@ def command(
     if (acknowledge is None) != (by is None):
         raise RobophmError("--acknowledge and --by: expected both, the number of an alarm and a name")
     robot = load(design)
-    with existing_store(store) as kept:
+    with stored_history(store, robot) as kept:
         log = kept.alarm_log(robot.identity)
         if acknowledge is not None and by and not log.acknowledge(acknowledge, by, time.time_ns()):
             raise RobophmError(f"there is no alarm {acknowledge} of {robot.name}")

@@ -19,7 +19,7 @@ from robophm.design.robot import Robot
 from robophm.monitoring.stored_past import stored_history
 from robophm.report.curve import sparkline
 from robophm.report.history_page import history_page, series_text
-from robophm.report.words import duration_text, moment_text, more_text, number_text
+from robophm.report.words import duration_text, moment_text, more_text, number_text, past_moment_text
 from robophm.stores.events import Event
 from robophm.stores.figures import STATES, FigureSeries
 from robophm.stores.store import MOST_POINTS, POINTS, Store
@@ -88,7 +88,7 @@ def _print(robot: Robot, series: FigureSeries, events: Sequence[Event]) -> None:
         print_table(out, table("Figures", columns, rows, figures=range(3, 6)))
     if len(worst := series.of("state")[2]) and not np.isnan(worst).all():
         out.print(f"State: at worst {STATES[int(np.nanmax(worst))]}", markup=False)
-    listed = [[moment_text(event.time), event.kind, event.said] for event in events[-MOST_LISTED:]]
+    listed = [[past_moment_text(event.time), event.kind, event.said] for event in events[-MOST_LISTED:]]
     if listed:
         print_table(out, table("Events", ("time", "kind", "what"), listed))
         if len(events) > MOST_LISTED:

@@ -9,12 +9,11 @@ import typer
 from robophm.cli.shared.options import Design, Json, stated_store
 from robophm.cli.shared.output import console, print_json
 from robophm.core.errors import RobophmError
-from robophm.core.signal import SECOND
 from robophm.design.file import load
 from robophm.health.service import ServiceNote, services_of
 from robophm.monitoring.service_notes import WAIT, note_service
 from robophm.monitoring.stored_past import stored_past
-from robophm.report.words import moment_text, number_text
+from robophm.report.words import number_text, past_moment_text
 
 
 def command(
@@ -63,7 +62,7 @@ def command(
         out.print(f"{part}: has not failed, and was neither replaced nor repaired so far", markup=False)
     for one in some:
         path = paths[one.mode]
-        when = moment_text(one.time) if one.time > SECOND else "before its first recording"
+        when = past_moment_text(one.time)
         done = f", at an effective age of {number_text(one.before[1])}"
         if one.kind != "failed":
             done = f"{' after it failed' if one.failed else ''}{done}; goes on at {number_text(one.after[1])}"

@@ -68,6 +68,8 @@ def mapping(text: str, name: str, what: str) -> tuple[dict[str, Any], Lines]:
     found = data.get("schema_version")
     if type(found) is not int or found != SCHEMA_VERSION:
         line = lines.get(("schema_version",), 1)
+        if found is None:
+            raise DesignError(f"{name}:{line}: schema_version: not stated; expected {SCHEMA_VERSION}")
         raise DesignError(f"{name}:{line}: schema_version: {found!r:.60}; expected {SCHEMA_VERSION}")
     return data, lines
 

@@ -8,7 +8,7 @@ from robophm.core.signal import HOUR
 from robophm.report.markup import Html
 from robophm.report.page import page, section, side_by_side, table_html
 from robophm.report.past_curves import past_curves
-from robophm.report.words import count_text, duration_text, moment_text
+from robophm.report.words import count_text, duration_text, moment_text, past_moment_text
 from robophm.stores.events import Event
 from robophm.stores.figures import FigureSeries
 
@@ -21,7 +21,7 @@ def history_page(robot: str, series: FigureSeries, events: Sequence[Event]) -> H
 def _sections(robot: str, series: FigureSeries, events: Sequence[Event]) -> Iterator[Html | str]:
     yield series_text(series)
     yield section("Figures", side_by_side(*past_curves(robot, series)))
-    rows = [(moment_text(event.time), event.kind, event.said) for event in events]
+    rows = [(past_moment_text(event.time), event.kind, event.said) for event in events]
     yield section("Events", table_html(["time", "kind", "what"], rows, "", "lll") if rows else "None is known.")
 
 

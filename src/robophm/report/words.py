@@ -7,6 +7,7 @@ from datetime import UTC, datetime, timedelta
 from decimal import Decimal
 
 from robophm.core.errors import UnitError, nearest
+from robophm.core.signal import SECOND
 
 _RATE_UNITS = {"1/h": (1.0, "/h"), "FIT": (1e9, "FIT"), "FPMH": (1e6, "FPMH")}
 _SPANS = (
@@ -114,6 +115,11 @@ def moment_text(time: int) -> str:
     """A time [ns since the epoch] to the millisecond: "2024-03-04 12:00:00.250 UTC"."""
     moment = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(microseconds=time // 1000)
     return f"{moment:%Y-%m-%d %H:%M:%S}.{moment.microsecond // 1000:03d} UTC"
+
+
+def past_moment_text(time: int) -> str:
+    """A time in a robot's past, as of ``moment_text``; of what was noted of a robot that had not been heard yet, so."""
+    return moment_text(time) if time > SECOND else "before its first recording"
 
 
 def duration_text(hours: float) -> str:

@@ -269,7 +269,11 @@ function Events({ past, look }: { past: Past; look: (time: number) => void }): R
           {listed.map((one) => (
             <tr key={`${one.time} ${one.kind} ${one.subject}`}>
               <td>
-                <button onClick={() => look(one.time)}>{momentText(one.time)}</button>
+                {one.time < 1 ? (
+                  "before its first recording"
+                ) : (
+                  <button onClick={() => look(one.time)}>{momentText(one.time)}</button>
+                )}
               </td>
               <td>{one.kind}</td>
               <td>{one.said}</td>

@@ -266,7 +266,7 @@ def test_a_mapping_file_is_written_and_read(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("columns: {}", "map.yaml:1: schema_version: None; expected 1"),
+        ("columns: {}", "map.yaml:1: schema_version: not stated; expected 1"),
         (
             "schema_version: 1\ncolumns: {valeu: a}",
             "map.yaml:2: columns/valeu: unknown field 'valeu'; did you mean 'value'",
