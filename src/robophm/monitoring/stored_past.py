@@ -44,7 +44,9 @@ def stored_history(address: Address, robot: Robot) -> Iterator[Store]:
 def unknown_robot(address: Address, store: Store, robot: Robot) -> StoreError:
     """Return what is to be said where a store has no past of a robot."""
     if not (known := store.robots()):
-        return StoreError(f"{place_of(address)}: holds no robot's past yet; expected one that replay, watch or serve made")
+        return StoreError(
+            f"{place_of(address)}: holds no robot's past yet; expected one that replay, watch or serve made"
+        )
     said = f"{place_of(address)}: knows no robot '{robot.identity}'{nearest(robot.identity, known)}"
     other = f"; where it is '{known[0]}' under another name, `identity: {known[0]}` in its design says so"
     return StoreError(f"{said}{other}")
