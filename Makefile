@@ -52,7 +52,9 @@ peers:
 	@sh tools/ros-peers
 	@sh tools/browser
 
-test: lint peers
+# Checks and downloads go on beside each other.
+test: setup
+	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target lint peers
 	$(BIN)/pytest -n 4 --durations=10 --durations-min=1
 
 # `make test` has a twenty-fifth of the calibration, by a fixed seed, and skips the peers of the extra `peers`.

@@ -22,7 +22,7 @@ PREDICTIONS = "model,id,predicted\n"
         ("rate mil_hdbk_217f.capacitor --unit FIT", "--unit"),
         ("rate general.constant --set", None),
         ("models --reference --json", "--json"),
-        ("models motor --reference", "KIND"),
+        ("models motor --reference", "WORDS"),
         ("predict robot.yaml --json --unit FIT", "--unit"),
         ("replay robot.yaml day.mcap --json --unit FIT", "--unit"),
         ("task robot.yaml tasks.yaml --topic /pose", "--topic"),

@@ -25,6 +25,7 @@ components: {motor: {rate: 0.01 /h, acceleration: {model: q10, reference_tempera
 """
 
 
+@pytest.mark.full
 def test_a_robot_that_runs_reports(fleet, store, tmp_path):
     (tmp_path / "robot.yaml").write_text(DESIGN)
     token, robot, over = store.add_token("r"), Robot(), threading.Event()

@@ -187,7 +187,7 @@ def designs(draw: st.DrawFn) -> dict[str, Any]:
     }
 
 
-@settings(max_examples=300)
+@settings(max_examples=150)
 @given(streams(), designs(), st.sampled_from([3, 10, 60]))
 def test_ledger_is_that_of_the_slow_integrator(received: list[Sample], design: dict[str, Any], period: int) -> None:
     slow = BruteForce(received, period * SECOND, **design)

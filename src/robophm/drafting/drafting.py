@@ -27,6 +27,7 @@ from robophm.drafting.seen import look
 from robophm.drafting.tasks import SeenTask, driven, tasks_seen, tasks_text
 from robophm.hazard.environments import environment, explained
 from robophm.parts import part as entry_of
+from robophm.transports.recordings.remote import here
 
 FUNCTION = "task"
 """The name of what must work for a task, where that is not everything."""
@@ -81,7 +82,10 @@ def evidence(urdf: Path | None = None, recordings: Sequence[Path] = ()) -> Known
 
     Raises DesignError or SourceError for a file that cannot be read.
     """
-    files = {"urdf": (urdf.name,) if urdf else (), "recordings": tuple(path.name for path in recordings)}
+    files = {
+        "urdf": (urdf.name,) if urdf else (),
+        "recordings": tuple(here(path).name for path in recordings),  # without what an address is signed by
+    }
     return Known(
         read_urdf(urdf) if urdf else None, look(recordings), {what: names for what, names in files.items() if names}
     )

@@ -119,7 +119,7 @@ def horizon_of(text: str) -> float:
     for one in HORIZONS:
         if math.isclose(one, hours):
             return one
-    raise RobophmError(f"--horizon {text!r:.40}: robots report of '1 day', '1 week' and '30 day'; expected one of them")
+    raise RobophmError(f"horizon {text!r:.40}: robots report of '1 day', '1 week' and '30 day'; expected one of them")
 
 
 def worst(store: FleetStore, horizon: float, most: int) -> Worst:

@@ -177,7 +177,7 @@ def explained() -> dict[str, str]:
     if _has("zenoh"):
         from robophm.transports.ros2_zenoh.session import place_of
 
-        said["zenoh"] = f"can be imported; --via zenoh looks for {place_of('')}"
+        said["zenoh"] = f"can be imported; looks for {place_of('')}"
     rmw = os.environ.get("RMW_IMPLEMENTATION")
     heeded = "rclpy heeds it, and where there is none, Zenoh is spoken where it says so"
     said["RMW_IMPLEMENTATION"] = f"{rmw}; {heeded}" if rmw else f"is not set; {heeded}"

@@ -6,7 +6,7 @@ import threading
 from typing import Any
 
 from robophm.design.located_error import LocatedError
-from robophm.web.workspace import dump, load
+from robophm.web.documents import dump, load
 
 MOST_OF_TEXT = 1_000_000
 """Characters of a design beyond which its places are not written by themselves: to read one with its remarks takes

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import difflib
 import hashlib
-import io
 import itertools
 import os
 import secrets
@@ -23,7 +22,6 @@ from pathlib import Path
 from typing import Any
 
 from robophm.core.errors import DesignError, StoreError
-from robophm.core.yaml_nodes import uncollected
 from robophm.core.yaml_values import MAX_BYTES
 from robophm.design.carried_edits import carry
 from robophm.design.editing import put, value_at
@@ -34,6 +32,7 @@ from robophm.design.naming import design_name, quoted
 from robophm.design.problems import check
 from robophm.design.scalar_edit import is_scalar, with_scalar, with_value
 from robophm.web.checked import CheckedTexts
+from robophm.web.documents import dump, load
 
 VERSION = 1
 """Version of the tables; kept in the file's user_version."""
@@ -423,34 +422,3 @@ class Workspace:
 def new_design(path: Path) -> str:
     """Return the text that a design begins with: its name."""
     return f"schema_version: 1\nname: {quoted(design_name(path.stem))}\n"
-
-
-def load(text: str) -> Any:
-    """Return a design's document, comments attached. Raises LocatedError."""
-    document = load_value(text)
-    if not isinstance(document, dict):
-        raise LocatedError((), "the design is no mapping and can only be replaced")
-    return document
-
-
-@uncollected()
-def load_value(text: str) -> Any:
-    """Return any value, comments attached. Raises LocatedError."""
-    from ruamel.yaml.error import YAMLError
-
-    from robophm.design.file import round_trip
-
-    try:
-        return round_trip().load(text)
-    except (YAMLError, ValueError, RecursionError) as error:
-        raise LocatedError((), f"is not YAML, and can only be replaced: {str(error).splitlines()[0]}") from None
-
-
-@uncollected()
-def dump(document: Any) -> str:
-    """Return a document, or a part of one, as text."""
-    from robophm.design.file import round_trip
-
-    stream = io.StringIO()
-    round_trip().dump(document, stream)
-    return stream.getvalue()

@@ -40,6 +40,7 @@ def test_intervals_hold_and_the_index_tells():
     assert 0.82 <= np.mean(held) <= 1
 
 
+@pytest.mark.full
 @pytest.mark.skipif(not ENGINES.is_dir(), reason="NASA's engines are not here")
 def test_nasas_engines():
     """C-MAPSS FD001 (Saxena and others 2008), engines 1 to 50: published networks have an RMSE of 12.6 to 18.4."""

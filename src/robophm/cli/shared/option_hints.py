@@ -28,6 +28,7 @@ OPTIONS = {
     "and the load at which readings are compared": "and --load, the load at which readings are compared",
     "expected one for each setting": "expected one for each of --settings",
     "cannot be told of alarms": "cannot be told of alarms (--notify)",
+    "whose nodes do not speak DDS": "whose nodes do not speak DDS: --via zenoh",
     "no such store": "no such store; `robophm replay --store` makes it",
 }
 """Words of the rooms below, each with the same words that name the option which a command has for it."""

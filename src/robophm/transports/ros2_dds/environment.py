@@ -76,7 +76,7 @@ def hidden_by(*, over_dds: bool) -> list[str]:
             f"nodes are looked for on {RANGES[reach]} alone: ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_LOCALHOST_ONLY"
         )
     if over_dds and "zenoh" in said("RMW_IMPLEMENTATION", ""):
-        hints.append(f"RMW_IMPLEMENTATION is {said('RMW_IMPLEMENTATION')}, whose nodes do not speak DDS: --via zenoh")
+        hints.append(f"RMW_IMPLEMENTATION is {said('RMW_IMPLEMENTATION')}, whose nodes do not speak DDS")
     if said("ROS_DISCOVERY_SERVER"):
         hints.append("ROS_DISCOVERY_SERVER is set: nodes that register with a server of Fast DDS alone are not found")
     if said("CYCLONEDDS_URI"):

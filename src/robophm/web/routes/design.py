@@ -215,7 +215,7 @@ def apply(document: Any, operation: Operation, lived: Lived = NOTHING) -> None:
 
 def _read(operation: PutText) -> Any:
     """The value of a text, its comments kept. Raises LocatedError."""
-    from robophm.web.workspace import load_value
+    from robophm.web.documents import load_value
 
     try:
         values(operation.text, "text")
