@@ -2,7 +2,7 @@
 
 import ast
 import re
-from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -13,8 +13,10 @@ ROOT = Path(__file__).resolve().parents[2] / "src" / "robophm"
 OPTION = re.compile(r"(?<![\w-])(?<!var\()--[a-z]")
 
 
-def below() -> Iterator[tuple[str, str]]:
+@cache
+def below() -> tuple[tuple[str, str], ...]:
     """Each text in the code of a module outside ``cli``, and where; what stands between backticks is a command."""
+    found = []
     for module in ROOT.rglob("*.py"):
         name = module.relative_to(ROOT).as_posix()
         if name.startswith("cli/"):
@@ -23,7 +25,8 @@ def below() -> Iterator[tuple[str, str]]:
         prose = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
         for node in nodes:
             if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in prose:
-                yield f"{name}:{node.lineno}", re.sub("`[^`]*`", "", node.value)
+                found.append((f"{name}:{node.lineno}", re.sub("`[^`]*`", "", node.value)))
+    return tuple(found)
 
 
 def test_no_room_below_names_an_option() -> None:

@@ -151,7 +151,15 @@ def test_one_bad_reading_is_no_knee():
     assert not forecast(np.arange(61), np.r_[wear, wear[-1] + 0.05], 20.0, draws=50).followed
 
 
-@pytest.mark.parametrize(("bend", "noise"), [(1.0, 0.0), (1.0, 0.1), (2.0, 0.02), (0.7, 0.02)])
+@pytest.mark.parametrize(
+    ("bend", "noise"),
+    [
+        (1.0, 0.1),
+        (2.0, 0.02),
+        pytest.param(1.0, 0.0, marks=pytest.mark.full),
+        pytest.param(0.7, 0.02, marks=pytest.mark.full),
+    ],
+)
 def test_wear_that_keeps_its_law_is_followed(bend, noise):
     rng = np.random.default_rng(1)
     found = [forecast(*simulated(rng, bend, noise)[:3], draws=20).followed for _ in range(60)]

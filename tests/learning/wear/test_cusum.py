@@ -39,7 +39,14 @@ def achieved(rho, readings, count, wanted, seed):
     return np.array(found), np.array(promised)
 
 
-@pytest.mark.parametrize(("rho", "readings"), [(0.0, 80), (0.5, 100), (0.8, 300)])
+@pytest.mark.parametrize(
+    ("rho", "readings"),
+    [
+        pytest.param(0.0, 80, marks=pytest.mark.full),
+        (0.5, 100),
+        pytest.param(0.8, 300, marks=pytest.mark.full),
+    ],
+)
 def test_false_alarms_come_as_promised_where_readings_follow_one_another(rho, readings):
     """On average over baselines within a factor of 2."""
     found, promised = achieved(rho, readings, 25, 300.0, 4)

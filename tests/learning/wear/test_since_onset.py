@@ -50,6 +50,7 @@ def test_a_jump_of_late_is_not_taken_for_the_end():
     assert found.passage.min() > 0
 
 
+@pytest.mark.full
 def test_before_damage_shows_only_lives_count_and_then_how_long_others_went_on():
     """Damage lasts 60 h to a fifth in lives of 200 to 900 h, and grows as √t to t³: a level says little of the rest."""
     rng = np.random.default_rng(4)

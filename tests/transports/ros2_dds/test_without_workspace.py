@@ -55,9 +55,15 @@ def test_px4_is_heard_by_the_version_in_its_topic(robot: Peer, live: LiveSource)
     published(live, "/fmu/out/battery_status_v1")
     names = ["voltage_v", "current_a", "voltage_cell_v[1]"]
     heard = Heard(live, *(f"/fmu/out/battery_status_v1.{name}" for name in names))
-    robot.tell("battery 15.75 12.5 3.9375,3.9453125")
-    within(8, lambda: heard.of("/fmu/out/battery_status_v1.voltage_v") == [15.75])
-    assert [heard.of(f"/fmu/out/battery_status_v1.{name}") for name in names] == [[15.75], [12.5], [3.9453125]]
+
+    def said() -> bool:
+        robot.tell(
+            "battery 15.75 12.5 3.9375,3.9453125"
+        )  # again and again, as PX4 does: what is best effort may be lost
+        return bool(heard.of("/fmu/out/battery_status_v1.voltage_v"))
+
+    within(8, said)
+    assert [{*heard.of(f"/fmu/out/battery_status_v1.{name}")} for name in names] == [{15.75}, {12.5}, {3.9453125}]
 
 
 def test_releases_of_px4_that_differ_are_not_guessed(

@@ -14,7 +14,7 @@ from .fuzz.mutate import Mutant
 from .fuzz.pool import Result
 from .fuzz.seeds import TOPICS, seeds, truth
 
-FILES, LOGS = 667, 300
+FILES, LOGS = 400, 200
 MEMORY = 512 << 20
 
 
