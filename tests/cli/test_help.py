@@ -146,6 +146,7 @@ def program(tmp_path, monkeypatch):
     return path
 
 
+@pytest.mark.full
 @without("fish")
 def test_a_real_fish_completes(program):
     script = "robophm --show-completion | source; complete -C 'robophm im'; complete -C 'robophm show robot.yaml --a'"

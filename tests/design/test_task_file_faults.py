@@ -257,6 +257,7 @@ def test_what_is_no_task_list(text: str) -> None:
     refused(yaml, text, "tasks.yaml: holds no list of tasks; expected a mapping that starts with 'schema_version: 1'")
 
 
+@pytest.mark.full
 def test_what_would_take_for_ever() -> None:
     letters = "abcdefghij"
     bomb = HEAD + "a: &a [1,1,1,1,1,1,1,1,1,1]\n"

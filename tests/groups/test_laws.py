@@ -97,6 +97,7 @@ def test_laws_of_pairs(drawn: Drawn) -> None:
     check_laws(drawn)
 
 
+@pytest.mark.full
 @given(groups(3))
 @settings(CALM, max_examples=8)
 def test_laws_of_three(drawn: Drawn) -> None:

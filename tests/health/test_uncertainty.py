@@ -193,6 +193,7 @@ def test_one_of_a_pair_that_failed_tells_of_the_other() -> None:
     assert mean_failure(without, 200.0) == near(1 - both[0] / both[1], 2e-3)
 
 
+@pytest.mark.full
 def test_rates_that_a_robot_cannot_have_survived_do_not_count() -> None:
     """300 mean lives: under most draws both of the pair are certain to have failed, beyond what a double can say."""
     pair = {"a": {"rate": "1e-3 /h", "uncertainty": {"samples": ["1e-6 /h", "1e-3 /h", "1e-2 /h"]}, "quantity": 2}}

@@ -66,6 +66,7 @@ def test_a_recording_is_counted_once_in_whatever_pieces(ota: Robot, recorded: di
     )
 
 
+@pytest.mark.full
 def test_a_replay_killed_again_and_again_ends_as_one_that_was_not(
     ota: Robot, recorded: dict[str, Path], tmp_path: Path
 ) -> None:

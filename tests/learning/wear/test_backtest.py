@@ -70,6 +70,7 @@ def test_wear_short_of_its_threshold_is_foretold_to_where_it_is_now():
     assert max(cut.time for cut in done.cuts) < 10
 
 
+@pytest.mark.full
 def test_others_of_its_kind_teach_at_each_cut_too():
     others = [Unit(np.arange(12.0), CRACK * share) for share in (0.98, 1.0, 1.01, 1.02)]
     alone, among = backtest(np.arange(12), CRACK, 1.6), backtest(np.arange(12), CRACK, 1.6, others=others)

@@ -47,6 +47,7 @@ def course(rng):
     return SignalHistory(t, values, settings)
 
 
+@pytest.mark.full
 def test_an_index_of_health_at_six_operating_conditions():
     """Freed of them it tells what remains; as plain signals it tells half as well or worse."""
     rng = np.random.default_rng(3)

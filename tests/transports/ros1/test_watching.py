@@ -67,7 +67,7 @@ def robot() -> Robot:
     return parse(DESIGN)
 
 
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("how", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.full)])
 def test_a_journal_replayed_gives_the_ledger_bit_for_bit(
     ros: System, robot: Robot, tmp_path: Path, how: signal.Signals
 ) -> None:
@@ -91,6 +91,7 @@ def test_a_journal_replayed_gives_the_ledger_bit_for_bit(
     assert sum(sample.signal == CLOCK for sample in heard) >= 2
 
 
+@pytest.mark.full
 def test_what_rosbag_records_gives_the_same_ledger(system: System, robot: Robot, tmp_path: Path) -> None:
     """Exactly, where all signals have headers: but for the silence after the last message, of which no bag knows."""
     system.start_master()  # one that knows of no publishers killed before: rosbag ends only when done with those
@@ -178,6 +179,7 @@ def test_a_topic_that_nobody_publishes_is_waited_for(system: System, tmp_path: P
     assert "nobody publishes yet '/motor'" in warned
 
 
+@pytest.mark.full
 def test_it_ends_though_it_is_told_twice_and_the_master_is_gone(system: System, tmp_path: Path) -> None:
     system.start_master()
     system.talk(TALKER)

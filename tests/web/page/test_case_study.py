@@ -22,6 +22,7 @@ def empty(tmp_path):
         yield served
 
 
+@pytest.mark.full
 def test_from_nothing_to_a_running_analysis(empty, visit):
     look = visit(empty, accept_downloads=True)
     page = look.open()
