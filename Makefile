@@ -55,7 +55,7 @@ peers:
 # Checks and downloads go on beside each other.
 test: setup
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target lint peers
-	$(BIN)/pytest -n 4 --dist worksteal --durations=10 --durations-min=1
+	$(BIN)/pytest -n 4 --durations=10 --durations-min=1
 
 # `make test` has a twenty-fifth of the calibration, by a fixed seed, and skips the peers of the extra `peers`.
 test-full: setup
