@@ -154,7 +154,7 @@ def test_one_bad_reading_is_no_knee():
 @pytest.mark.parametrize(
     ("bend", "noise"),
     [
-        (1.0, 0.1),
+        pytest.param(1.0, 0.1, marks=pytest.mark.full),
         (2.0, 0.02),
         pytest.param(1.0, 0.0, marks=pytest.mark.full),
         pytest.param(0.7, 0.02, marks=pytest.mark.full),
