@@ -107,7 +107,7 @@ def ended(command: str, folder: Path) -> tuple[int, str]:
     try:
         for _ in range(100):  # a signal that comes too early may be lost
             try:
-                process.wait(2)
+                process.wait(5)
                 break
             except subprocess.TimeoutExpired:
                 process.send_signal(signal.SIGINT)
