@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from robophm.blocks.graph import ALL, ANY, NOT, ODD
 from robophm.blocks.modular import LIMIT, Modular, Part
-from robophm.blocks.nodes import FALSE, TRUE, Table, TooLargeError, below
+from robophm.blocks.nodes import FALSE, TRUE, Table, TooLargeError, below, node_chances
 from robophm.blocks.ordering import Gate, orders
 
 WIDTH = 1e-4
@@ -166,7 +166,7 @@ class _Pass:
             self.least = self.cut_off / weight if weight > 0 else math.inf
             found = self._gate(k, [self.functions[i] for i in inputs])
             self.functions.append(found)
-            self.likely.append(self._likely(found[0]))
+            self.likely.append(node_chances(self.table, below(self.table, found[0]), self.p)[found[0]])
             for i in inputs:
                 left[i] -= 1
                 if not left[i] and i >= self.variables:
@@ -217,10 +217,7 @@ class _Pass:
         nodes = below(table, root)
         if len(nodes) < _SMALL:
             return root
-        chance, reached = {FALSE: 0.0, TRUE: 1.0}, dict.fromkeys((FALSE, TRUE, *nodes), 0.0)
-        for g in nodes:
-            x = p[table.level[g]]
-            chance[g] = x * chance[table.high[g]] + (1 - x) * chance[table.low[g]]
+        chance, reached = node_chances(table, nodes, p), dict.fromkeys((FALSE, TRUE, *nodes), 0.0)
         reached[root] = 1.0
         kept = {FALSE: FALSE, TRUE: TRUE}
         leaf = TRUE if upwards else FALSE
@@ -246,13 +243,6 @@ class _Pass:
             high, low = instead.get(g, (table.high[g], table.low[g]))
             kept[g] = table.node(table.level[g], kept[high], kept[low])
         return kept[root]
-
-    def _likely(self, root: int) -> float:
-        chance = {FALSE: 0.0, TRUE: 1.0}
-        for g in below(self.table, root):
-            x = self.p[self.table.level[g]]
-            chance[g] = x * chance[self.table.high[g]] + (1 - x) * chance[self.table.low[g]]
-        return chance[root]
 
     def _chance(self, low: int, high: int) -> Chance:
         least, most = interval(self.table, low, self.chances), interval(self.table, high, self.chances)

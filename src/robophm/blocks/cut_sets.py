@@ -20,7 +20,7 @@ from robophm.blocks.diagram import Block
 from robophm.blocks.fault_tree import FaultTree
 from robophm.blocks.graph import Gate, graph
 from robophm.blocks.modular import LIMIT, Part
-from robophm.blocks.nodes import FALSE, TRUE, Table, below, too_large
+from robophm.blocks.nodes import FALSE, TRUE, Table, below, node_chances, too_large
 from robophm.core.errors import StructureError
 
 MOST_PENDING = 1_000_000
@@ -80,7 +80,7 @@ class MinimalSets:
         found.names, found._events, found._parts = tree.names, len(tree.names), []
         p = list(found._probabilities(probability))
         for part in parts:
-            chance = _chances(part, p)
+            chance = node_chances(part.table, part.nodes, [p[row] for row in part.rows])
             found._parts.append(_minimal(part, LIMIT, until, p, share * chance[part.root]))
             p.append(chance[part.root])
         return found
@@ -197,15 +197,6 @@ class MinimalSets:
                 )
 
 
-def _chances(part: Part, p: Sequence[float]) -> dict[int, float]:
-    """The probability of each node of a part, from those of the rows."""
-    chance = {FALSE: 0.0, TRUE: 1.0}
-    for g in part.nodes:
-        x = p[part.rows[part.table.level[g]]]
-        chance[g] = x * chance[part.table.high[g]] + (1 - x) * chance[part.table.low[g]]
-    return chance
-
-
 def _minimal(part: Part, limit: int, until: float = math.inf, p: Sequence[float] = (), least: float = 0.0) -> Part:
     """A part whose diagram holds the minimal sets: a node's sets are those with its variable, and those without.
 
@@ -282,11 +273,9 @@ class _Unlikely:
         self._least = least
         self._p = [p[row] for row in part.rows]
         self._before = _likeliest_before(part.table, part.root, part.nodes, self._p)
-        self._ahead = {FALSE: 0.0, TRUE: 1.0}
-        for g in part.nodes:
-            with_it = self._p[part.table.level[g]] * self._ahead[part.table.high[g]]
-            self._ahead[g] = max(with_it, self._ahead[part.table.low[g]])
-        self._of_family = {FALSE: 0.0, TRUE: 1.0}
+        self._ahead: dict[int, float] = {}
+        _find_likeliest(self._ahead, part.table, part.nodes, self._p)
+        self._of_family: dict[int, float] = {}
 
     def all_of(self, g: int) -> bool:
         """Whether all sets are, whose way leads over a node of the function."""
@@ -296,10 +285,7 @@ class _Unlikely:
         """Return the family of a node of the function without such sets."""
         table = sets.table
         nodes = below(table, family)
-        for one in nodes:
-            if one not in self._of_family:
-                with_it = self._p[table.level[one]] * self._of_family[table.high[one]]
-                self._of_family[one] = max(with_it, self._of_family[table.low[one]])
+        _find_likeliest(self._of_family, table, nodes, self._p)
         before = _likeliest_before(table, family, nodes, self._p)
         new = {FALSE: FALSE, TRUE: TRUE}
         for one in nodes:
@@ -307,6 +293,15 @@ class _Unlikely:
             high = new[table.high[one]] if chosen >= self._least else FALSE
             new[one] = sets.node(table.level[one], high, new[table.low[one]])
         return new[family]
+
+
+def _find_likeliest(found: dict[int, float], table: Table, nodes: Sequence[int], p: Sequence[float]) -> None:
+    """Put the probability of the likeliest choice of events below each of some nodes, the deepest first, into
+    ``found``."""
+    found |= {FALSE: 0.0, TRUE: 1.0}
+    for g in nodes:
+        if g not in found:
+            found[g] = max(p[table.level[g]] * found[table.high[g]], found[table.low[g]])
 
 
 def _likeliest_before(table: Table, root: int, nodes: Sequence[int], p: Sequence[float]) -> dict[int, float]:

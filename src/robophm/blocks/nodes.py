@@ -213,6 +213,15 @@ def too_large(limit: int) -> TooLargeError:
     )
 
 
+def node_chances(table: Table, nodes: Sequence[int], p: Sequence[float]) -> dict[int, float]:
+    """Return the probability that each of some nodes, the deepest first, is true; ``p`` of each level's variable."""
+    found = {FALSE: 0.0, TRUE: 1.0}
+    for g in nodes:
+        x = p[table.level[g]]
+        found[g] = x * found[table.high[g]] + (1 - x) * found[table.low[g]]
+    return found
+
+
 def below(table: Table, root: int) -> list[int]:
     """Return the nodes below a root and itself, the deepest first, without the leaves."""
     found: set[int] = set()

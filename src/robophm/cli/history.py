@@ -11,13 +11,13 @@ import typer
 
 from robophm.cli.shared.options import Design, Json, StoreOfRobot, moment_of
 from robophm.cli.shared.output import console, may_write, print_json, print_table, table, write
+from robophm.cli.shared.past_span import COURSE, course_of, span_of
 from robophm.cli.shared.stored_past import files_of
 from robophm.core.errors import RobophmError
 from robophm.core.signal import HOUR
 from robophm.design.file import load
 from robophm.design.robot import Robot
 from robophm.monitoring.stored_past import stored_history
-from robophm.report.curve import sparkline
 from robophm.report.history_page import history_page, series_text
 from robophm.report.words import duration_text, moment_text, more_text, number_text, past_moment_text
 from robophm.stores.events import Event
@@ -50,9 +50,7 @@ def command(
     """A robot's figures and what happened to it, over any stretch of its past."""
     if at is not None and (start or end or plot):
         raise RobophmError("--at is one time; expected it without --from, --to and --plot")
-    first, last = (None if text is None else moment_of(name, text) for name, text in (("--from", start), ("--to", end)))
-    if first is not None and last is not None and first >= last:
-        raise RobophmError(f"--to {end}: expected a time after --from {start}")
+    first, last = span_of(start, end)
     may_write(plot, design, *files_of(path))
     robot = load(design)
     with stored_history(path, robot) as store:
@@ -78,13 +76,10 @@ def _print(robot: Robot, series: FigureSeries, events: Sequence[Event]) -> None:
     rows = []
     for name, title in TITLES.items():
         for view, words in (("nominal", "nominal"), ("sensor_based", "sensor-based")):
-            low, mean, high = series.of(f"{name}.{view}")
-            if np.isnan(mean).all():
-                continue
-            spread = (np.nanmin(low), np.nanmax(high), mean[~np.isnan(mean)][-1])
-            rows.append([title, words, sparkline(mean, 30), *map(number_text, spread)])
+            if course := course_of(*series.of(f"{name}.{view}")):
+                rows.append([title, words, *course])
     if rows:
-        columns = ("figure", "view", "course", "lowest", "highest", "last")
+        columns = ("figure", "view", *COURSE)
         print_table(out, table("Figures", columns, rows, figures=range(3, 6)))
     if len(worst := series.of("state")[2]) and not np.isnan(worst).all():
         out.print(f"State: at worst {STATES[int(np.nanmax(worst))]}", markup=False)

@@ -16,13 +16,12 @@ from robophm.cli.shared.options import GrowingStore, Notify
 from robophm.cli.shared.output import console, may_write, warn
 from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.unused import refuse_unused
+from robophm.cli.shared.web_extra import check_key, web_extra
 from robophm.core.errors import RobophmError
 from robophm.stores import open_store, place_of
 
 if TYPE_CHECKING:
     from robophm.web.service import Service
-
-LACKING = "the page needs what `pip install 'robophm[web]'` installs"
 
 
 @dataclass(frozen=True)
@@ -106,19 +105,14 @@ def run(design: Path, wishes: Wishes) -> None:
         refuse_unused("a page on which nothing is watched at once (--start)", used)
     from robophm.transports.recordings.files import recordings_in
 
-    try:
+    with web_extra("the page"):
         from robophm.web.service import Settings
         from robophm.web.serving import serve
-    except ModuleNotFoundError as error:
-        if error.name and error.name.partition(".")[0] in ("fastapi", "uvicorn", "starlette", "websockets"):
-            raise RobophmError(f"{LACKING}: there is no {error.name}") from None
-        raise
     if wishes.store and wishes.no_store:
         raise RobophmError("--store and --no-store: expected one of them")
     if os.environ.get("ROBOPHM_TOKEN"):
         raise RobophmError("ROBOPHM_TOKEN is not used any more; expected `robophm users add --token`, and it unset")
-    if wishes.key and not wishes.certificate:
-        raise RobophmError("--key is that of a certificate; expected --certificate too")
+    check_key(wishes.key, wishes.certificate)
     may_write(wishes.journal, design, *files_of(wishes.store))
     for file in files_of(wishes.store):
         may_write(file, design)

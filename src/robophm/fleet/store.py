@@ -106,10 +106,10 @@ class FleetStore:
         number: int = rows[0][0]
         return number
 
-    def refuse(self, robot: str, why: str, count: int = 1) -> None:
+    def refuse(self, robot: str, why: str) -> None:
         """Count what was refused; robot "" where it is not known whose it was. It is kept by ``keep_counts``."""
         with self._turn:
-            self._refused[robot, why] += count
+            self._refused[robot, why] += 1
 
     def keep_counts(self) -> None:
         """Keep the numbers of what was refused since. Raises StoreError."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Literal, NamedTuple, get_args
 
@@ -93,6 +93,7 @@ def health_now(
     survival = [views[view].component_survival() for view in VIEWS]
     asked = task or robot.task
     doubtful = doubts(exposure, ledger, lived, robot.diagram, asked)
+    lost = ledger.failed
     numbers = np.stack([*rates, *(works for works, _ in survival), *(failed for _, failed in survival)], axis=1)
     return HealthReport(
         robot.name,
@@ -105,6 +106,7 @@ def health_now(
                 _marks(
                     [robot.modes[i] for i in plant.system(system.diagram).modes],
                     ledger,
+                    lost,
                     silent,
                     wear,
                     doubtful,
@@ -128,7 +130,7 @@ def health_now(
             for component, (rate, lived_rate, works, lived_works, failed, lived_failed) in zip(
                 plant.components, numbers.tolist(), strict=True
             )
-            for marks in (_marks(component.modes, ledger, silent, wear, doubtful),)
+            for marks in (_marks(component.modes, ledger, lost, silent, wear, doubtful),)
         ),
         asked,
         (*_of_the_past(robot, ledger), *_doubted(doubtful, lived, asked)),
@@ -259,13 +261,13 @@ def _uncertainty(plant: Plant, ledger: Ledger, lived: Outlook, plan: Plan | None
 
 
 def _marks(
-    modes: Sequence[FailureMode], ledger: Ledger, silent: Mapping[str, int | None], wear: Sequence[SeenWear],
-    doubtful: Sequence[Doubt], *signals: str,
+    modes: Sequence[FailureMode], ledger: Ledger, lost: Collection[str], silent: Mapping[str, int | None],
+    wear: Sequence[SeenWear], doubtful: Sequence[Doubt], *signals: str,
 ) -> _Marks:  # fmt: skip
-    """Marks on figures of failure modes: those by which parts have failed, silent and doubtful signals that they hang
-    on, models outside their range, their wear."""
+    """Marks on figures of failure modes: those by which parts have failed (``lost``, by key), silent and doubtful
+    signals that they hang on, models outside their range, their wear."""
     worn = wear_flags(wear, (mode.path for mode in modes)) if wear else ()
-    if ledger.services and (lost := ledger.failed):
+    if lost:
         worn = (*(f"{FAILED}{mode.path}" for mode in modes if mode.key in lost), *worn)
     mixed = {key.removeprefix(REORDERED) for key in ledger.counts if key.startswith(REORDERED)}
     if not silent and not mixed and not doubtful and not any(ledger.extrapolated.values()):

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import numpy as np
 import typer
 
 from robophm.cli.shared.fleet import FleetStorePath
-from robophm.cli.shared.options import Json, moment_of
+from robophm.cli.shared.options import Json
 from robophm.cli.shared.output import console, print_json, print_table, table, warn
-from robophm.core.errors import RobophmError
+from robophm.cli.shared.past_span import COURSE, course_of, span_of
 from robophm.core.json_values import plain
 from robophm.core.signal import HOUR
 from robophm.fleet.questions import history
 from robophm.fleet.store import FleetStore
-from robophm.report.curve import sparkline
-from robophm.report.words import count_text, duration_text, moment_text, number_text
+from robophm.report.words import count_text, duration_text, moment_text
 from robophm.stores.outbox import COLUMNS
 from robophm.stores.store import MOST_POINTS, POINTS
 
@@ -43,9 +41,7 @@ def command(
     as_json: Json = False,
 ) -> None:
     """The figures of one robot over time."""
-    first, last = (None if text is None else moment_of(name, text) for name, text in (("--from", start), ("--to", end)))
-    if first is not None and last is not None and first >= last:
-        raise RobophmError(f"--to {end}: expected a time after --from {start}")
+    first, last = span_of(start, end)
     with FleetStore(store) as fleet:
         found = history(fleet, robot, first, last, points)
     series = found.series
@@ -69,8 +65,7 @@ def command(
     out.print(f"{robot}, {span}, {count_text(len(series.times))} {each}", markup=False)
     rows = []
     for name, title in TITLES.items():
-        low, mean, high = (values[:, COLUMNS.index(name)] for values in (series.low, series.mean, series.high))
-        if not np.isnan(mean).all():
-            spread = (np.nanmin(low), np.nanmax(high), mean[~np.isnan(mean)][-1])
-            rows.append([title, sparkline(mean, 30), *map(number_text, spread)])
-    print_table(out, table("", ("figure", "course", "lowest", "highest", "last"), rows, figures=range(2, 5)))
+        at = COLUMNS.index(name)
+        if course := course_of(*(values[:, at] for values in (series.low, series.mean, series.high))):
+            rows.append([title, *course])
+    print_table(out, table("", ("figure", *COURSE), rows, figures=range(2, 5)))

@@ -10,9 +10,7 @@ import typer
 
 from robophm.cli.shared.fleet import FleetStorePath
 from robophm.cli.shared.output import console
-from robophm.core.errors import RobophmError
-
-LACKING = "a fleet's service needs what `pip install 'robophm[web]'` installs"
+from robophm.cli.shared.web_extra import check_key, web_extra
 
 
 def command(
@@ -29,14 +27,9 @@ def command(
     ] = None,
 ) -> None:
     """Take the reports of robots, until it is interrupted."""
-    if key and not certificate:
-        raise RobophmError("--key is that of a certificate; expected --certificate too")
-    try:
+    check_key(key, certificate)
+    with web_extra("a fleet's service"):
         from robophm.fleet.serving import FleetSettings, serve_fleet
-    except ModuleNotFoundError as error:
-        if error.name and error.name.partition(".")[0] in ("fastapi", "uvicorn", "starlette", "websockets", "h11"):
-            raise RobophmError(f"{LACKING}: there is no {error.name}") from None
-        raise
 
     def ready(address: str, fingerprint: str, _: Callable[[], None]) -> None:
         out = console()

@@ -337,7 +337,8 @@ class JournalRecording(TextSource):
         parts = parts_of(self.path)
         yield from (part.path for part in parts)
         yield self.path
-        if parts_of(self.path)[-1:] and parts_of(self.path)[-1].end != (parts[-1].end if parts else 0):
+        now = parts_of(self.path)
+        if now and now[-1].end != (parts[-1].end if parts else 0):
             raise SourceError(f"{self.path}: went on in a new file while it was read; expected to be read once more")
 
     def _lines_of(self, path: Path) -> Iterator[JournalLine]:

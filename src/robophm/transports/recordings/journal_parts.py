@@ -16,7 +16,7 @@ import re
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import IO, NamedTuple
+from typing import IO, Any, NamedTuple
 
 from robophm.core.files import sync_folder
 
@@ -85,7 +85,7 @@ class _Unpacked(io.RawIOBase):
         """Whether it can be read: it can."""
         return True
 
-    def readinto(self, buffer: memoryview) -> int:  # type: ignore[override]
+    def readinto(self, buffer: Any) -> int:
         """Read what there is of a frame, or of the next one."""
         while not self._left:
             frame = next(self._frames, None)

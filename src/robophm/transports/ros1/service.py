@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import socket
 import struct
 import time
@@ -12,6 +11,7 @@ from typing import Any
 
 from robophm.core.errors import SourceError
 from robophm.transports.health_topics.message_of_fields import bytes_of_fields
+from robophm.transports.live.failed_calls import note_failed_call
 from robophm.transports.ros1.definition import compiled, md5_of_service
 from robophm.transports.ros1.loop import Loop, Peer
 from robophm.transports.ros1.node import Node
@@ -78,8 +78,7 @@ class Service:
             reply = b"\1" + struct.pack("<I", len(body)) + body
         except Exception as error:  # who calls is told, whatever it is
             if not isinstance(error, SourceError):
-                self.node.notes.add(f"call of {self.name} failed")
-                logging.getLogger(__name__).warning("call of %s: %s: %s", self.name, type(error).__name__, error)
+                note_failed_call(self.node.notes, self.name, error)
             reply = _refused(f"{type(error).__name__}: {error}")
         self.node.loop.post(lambda: self._replied(caller, reply))
 

@@ -6,7 +6,6 @@ Each request says who asks and which of its requests it is, before its own field
 
 from __future__ import annotations
 
-import logging
 import threading
 import uuid
 from collections.abc import Callable, Mapping, Sequence
@@ -15,6 +14,7 @@ from typing import Any
 
 from robophm.transports.health_topics.definitions import service_types
 from robophm.transports.health_topics.message_of_fields import bytes_of_fields
+from robophm.transports.live.failed_calls import note_failed_call
 from robophm.transports.ros2_dds.definition import Definition, defined
 from robophm.transports.ros2_dds.node import Node
 
@@ -90,8 +90,7 @@ class Service(threading.Thread):
                 try:
                     self._respond(message.raw)
                 except Exception as error:  # as of a request that is none
-                    self.node.notes.add(f"call of {self.service} failed")
-                    logging.getLogger(__name__).warning("call of %s: %s: %s", self.service, type(error).__name__, error)
+                    note_failed_call(self.node.notes, self.service, error)
 
     def _respond(self, raw: bytes) -> None:
         request = self._request.decode(raw)

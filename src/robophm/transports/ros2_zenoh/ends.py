@@ -30,7 +30,7 @@ class ZenohReader:
         self.entity = self
         self.woken: Callable[[], None] = lambda: None
         self._waiting: deque[Message] = deque()
-        self._lost = 0
+        self._lost = self._told = 0  # the first is Zenoh's threads' alone, the second that of who asks
         self._numbers: dict[bytes, int] = {}
         """The number of the latest message of each publisher."""
         call, key = zenoh.handlers.Callback(self._heard, indirect=False), roster.key(entity)
@@ -64,8 +64,8 @@ class ZenohReader:
 
     def lost(self) -> int:
         """Return the number of messages that are missing since this was asked last, by the numbers beside them."""
-        lost, self._lost = self._lost, 0
-        return lost
+        before, self._told = self._told, self._lost
+        return self._told - before
 
     def overrun(self) -> int:
         """Return 0: what came too fast is counted as lost."""

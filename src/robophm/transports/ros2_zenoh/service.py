@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -12,6 +11,7 @@ from typing import Any
 from robophm.core.errors import SourceError
 from robophm.transports.health_topics.definitions import service_types
 from robophm.transports.health_topics.message_of_fields import bytes_of_fields
+from robophm.transports.live.failed_calls import note_failed_call
 from robophm.transports.ros2_dds.definition import dds_name, defined, hash_of_service
 from robophm.transports.ros2_dds.node import Node
 from robophm.transports.ros2_zenoh.naming import Attachment, Entity, attachment_of
@@ -73,8 +73,7 @@ class Service(threading.Thread):
             try:
                 self._respond(query)
             except Exception as error:  # as of a request that is none
-                self.node.notes.add(f"call of {self.service} failed")
-                logging.getLogger(__name__).warning("call of %s: %s: %s", self.service, type(error).__name__, error)
+                note_failed_call(self.node.notes, self.service, error)
                 query.reply_err(f"{type(error).__name__}: {error}"[:1000].encode())
             finally:
                 query.drop()  # which tells who asked that this was all

@@ -66,7 +66,7 @@ def opened(router: str) -> Any:
         for name, value in told.items():
             config.insert_json5(name, value)
         return zenoh.open(config)
-    except Exception as error:
+    except Exception as error:  # of files, of JSON5 and of Zenoh, which tells them apart in words alone
         why = " ".join(str(error).partition(" at /")[0].split())
         raise SourceError(f"no Zenoh by {place_of(router)}: {why}") from None
 
