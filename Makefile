@@ -60,8 +60,8 @@ test: setup
 # `make test` has a twenty-fifth of the calibration, by a fixed seed, and skips the peers of the extra `peers`.
 test-full: setup
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[peers]"
-	$(MAKE) test calibrate
-	$(BIN)/pytest -n 2 -m full
+	EXAMPLES=all $(MAKE) test calibrate
+	EXAMPLES=all $(BIN)/pytest -n 2 -m full
 
 test-page: setup
 	@sh tools/browser

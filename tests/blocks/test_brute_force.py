@@ -5,6 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from tests.cases import each_case
 
 from robophm.blocks.diagram import Block
 from robophm.blocks.reliability import Structure
@@ -38,7 +39,7 @@ def agree(found: float, exact: float) -> None:
         assert 0 <= found < 1e-289
 
 
-@pytest.mark.parametrize("seed", range(300))
+@each_case("seed", range(300))
 def test_state(seed: int) -> None:
     rng = random.Random(seed)
     size = rng.choice([2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 14])
@@ -65,7 +66,7 @@ def test_state(seed: int) -> None:
     agree(found.density, float(density / WHOLE**n))
 
 
-@pytest.mark.parametrize("seed", range(150))
+@each_case("seed", range(150))
 def test_transition(seed: int) -> None:
     rng = random.Random(1000 + seed)
     size = rng.randint(2, 8)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.cases import examples
 
 from robophm.blocks.cut_sets import MinimalSets
 from robophm.blocks.diagram import KOutOfN, Link, Network, Parallel, Series
@@ -58,7 +59,7 @@ def minimal(gates: list[Gate], n: int) -> set[frozenset[int]]:
     return {one for one in enough if not any(one - {x} in set(enough) for x in one)}
 
 
-@settings(max_examples=150, deadline=None, derandomize=True)
+@settings(max_examples=examples(150), deadline=None, derandomize=True)
 @given(st.integers(0, 2**32), st.booleans())
 def test_the_probability_of_random_trees(seed, coherent):
     rng = random.Random(seed)
@@ -74,7 +75,7 @@ def test_the_probability_of_random_trees(seed, coherent):
     assert three[:2] == pytest.approx(expected, rel=1e-11)
 
 
-@settings(max_examples=150, deadline=None, derandomize=True)
+@settings(max_examples=examples(150), deadline=None, derandomize=True)
 @given(st.integers(0, 2**32))
 def test_minimal_sets_of_random_trees(seed):
     rng = random.Random(seed)
@@ -98,7 +99,7 @@ def test_minimal_sets_of_random_trees(seed):
     assert sets.mass(p) == pytest.approx(sum(one.probability for one in likeliest), rel=1e-12)
 
 
-@settings(max_examples=100, deadline=None, derandomize=True)
+@settings(max_examples=examples(100), deadline=None, derandomize=True)
 @given(st.integers(0, 2**32))
 def test_a_diagram_and_its_tree_are_the_same(seed):
     rng = random.Random(seed)

@@ -6,6 +6,7 @@ import random
 
 import numpy as np
 import pytest
+from tests.cases import each_case
 
 from robophm.blocks.diagram import Block, KOutOfN, Network, Parallel, Series, Unit
 from robophm.blocks.fussell_vesely import fussell_vesely
@@ -37,7 +38,7 @@ def by_states(block: Block, names: tuple[str, ...], chances: np.ndarray) -> np.n
     return found / fails if fails > 0 else np.full(n, math.nan)
 
 
-@pytest.mark.parametrize("seed", range(100))
+@each_case("seed", range(100))
 def test_random_diagrams_with_shared_parts(seed: int) -> None:
     rng = random.Random(seed)
     size = rng.randint(1, 6)
@@ -97,7 +98,7 @@ def test_many_units_of_which_some_are_shared() -> None:
         fussell_vesely(many, *np.full((3, 14), 1 / 3))
 
 
-@pytest.mark.parametrize("seed", range(3))
+@each_case("seed", range(3))
 def test_beside_a_peer(seed: int) -> None:
     peer = pytest.importorskip("repyability")
     rng = random.Random(seed)

@@ -8,8 +8,8 @@ from itertools import product
 
 import mpmath as mp
 import numpy as np
-import pytest
 from numpy.testing import assert_allclose
+from tests.cases import each_case
 
 from robophm.blocks.diagram import Block
 from robophm.blocks.given_it_works import StructureGivenItWorks
@@ -46,8 +46,8 @@ def expected(diagram: Block, names: list[str], known: np.ndarray, more: np.ndarr
     return np.array([by_fates(diagram, names, *column) for column in columns]).T
 
 
-@pytest.mark.parametrize("past", ["new", "some new", "lived"])
-@pytest.mark.parametrize("seed", range(20))
+@each_case("past", ["new", "some new", "lived"])
+@each_case("seed", range(20))
 def test_by_all_fates(seed: int, past: str) -> None:
     rng = random.Random(seed)
     diagram = draw(rng, ["a", "b", "c", "d"], rng.randint(1, 8))
@@ -62,10 +62,8 @@ def test_by_all_fates(seed: int, past: str) -> None:
         assert_allclose(conditional.ahead(known[:, 0], more[:, i]), exact[:, i], rtol=DIGITS)
 
 
-@pytest.mark.parametrize("new", [True, False])
-@pytest.mark.parametrize(
-    ("known_shape", "more_shape"), [((1, TIMES), (2, 1)), ((1, 1), (2, TIMES)), ((2, TIMES), (1, 1)), ((), ())]
-)
+@each_case("new", [True, False])
+@each_case(("known_shape", "more_shape"), [((1, TIMES), (2, 1)), ((1, 1), (2, TIMES)), ((2, TIMES), (1, 1)), ((), ())])
 def test_shapes_broadcast_for_several_diagrams(
     known_shape: tuple[int, ...], more_shape: tuple[int, ...], new: bool
 ) -> None:

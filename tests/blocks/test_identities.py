@@ -5,12 +5,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from tests.cases import examples
 
 from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit
 from robophm.blocks.reliability import Structure
 
 every = settings(
-    derandomize=True, database=None, deadline=None, max_examples=150, suppress_health_check=list(HealthCheck)
+    derandomize=True, database=None, deadline=None, max_examples=examples(150), suppress_health_check=list(HealthCheck)
 )
 
 

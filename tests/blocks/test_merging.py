@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import pytest
+from tests.cases import each_case
 
 from robophm.blocks.diagram import Block, Parallel, Series, Unit
 from robophm.blocks.merging import merge_series
@@ -13,7 +13,7 @@ from .random_diagrams import drawn, random_diagrams, states
 A, B, C, D = Unit("a"), Unit("b"), Unit("c"), Unit("d")
 
 
-@pytest.mark.parametrize("seed", range(150))
+@each_case("seed", range(150))
 def test_merged_diagrams_work_in_the_same_states(seed: int) -> None:
     diagrams = random_diagrams(seed)
     merged, stands_for = merge_series(*diagrams)

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from tests.cases import examples
 
 from robophm.blocks.diagram import KOutOfN, Link, Network, Parallel, Series, Unit, units
 from robophm.blocks.merging import merge_series
@@ -104,7 +105,7 @@ def random_network(rng: random.Random) -> Network:
             continue
 
 
-@settings(max_examples=120, deadline=None, derandomize=True)
+@settings(max_examples=examples(120), deadline=None, derandomize=True)
 @given(st.integers(0, 2**32))
 def test_random_networks_against_all_states(seed):
     rng = random.Random(seed)
@@ -115,7 +116,7 @@ def test_random_networks_against_all_states(seed):
     assert reliability(network, dict(zip(names, p, strict=True))) == pytest.approx(expected, rel=1e-12)
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=examples(60), deadline=None, derandomize=True)
 @given(st.integers(0, 2**32))
 def test_networks_in_diagrams_and_diagrams_in_networks(seed):
     rng = random.Random(seed)

@@ -9,6 +9,7 @@ from itertools import product
 import numpy as np
 import pytest
 from mpmath import mp, mpf
+from tests.cases import each_case
 
 from robophm.blocks import decision_diagram
 from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit
@@ -92,8 +93,8 @@ HAZARDS = {
 }
 
 
-@pytest.mark.parametrize("kind", HAZARDS)
-@pytest.mark.parametrize("seed", range(40))
+@each_case("kind", HAZARDS)
+@each_case("seed", range(40))
 def test_random_missions(seed: int, kind: str) -> None:
     rng = random.Random(f"{seed} {kind}")
     count = rng.randint(1, 4)
@@ -127,7 +128,7 @@ def module(rng: random.Random, names: Sequence[str]) -> Block:
     return Series(core, *more) if rng.random() < 0.7 else Parallel(core, *more)
 
 
-@pytest.mark.parametrize("seed", range(150))
+@each_case("seed", range(150))
 def test_modules_that_are_needed_and_drawn_inside_other_functions(seed: int) -> None:
     """What must work by itself, or in a module that must, and is also in a parallel of another function that must."""
     rng = random.Random(9000 + seed)
@@ -157,8 +158,8 @@ def test_a_needed_series_inside_a_parallel_of_another_function() -> None:
         check([], wanted[::-1], past, more)
 
 
-@pytest.mark.parametrize("at_once", [1, 50, 200_000])
-@pytest.mark.parametrize("seed", range(12))
+@each_case("at_once", [1, 50, 200_000])
+@each_case("seed", range(12))
 def test_many_columns_are_as_each_alone(seed: int, at_once: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("robophm.blocks.phases.AT_ONCE", at_once)
     rng = random.Random(5000 + seed)
@@ -195,7 +196,7 @@ def test_one_phase_is_a_transition_of_the_structure() -> None:
         assert float(one) == pytest.approx(float(other), rel=DIGITS, abs=0)
 
 
-@pytest.mark.parametrize("pair", [Parallel(A, B), Series(A, B), KOutOfN(2, A, B, C)], ids=str)
+@each_case("pair", [Parallel(A, B), Series(A, B), KOutOfN(2, A, B, C)], ids=str)
 def test_one_part_that_has_failed(pair: Block) -> None:
     for past in product([0.0, 0.2, np.inf], repeat=3):
         for known in ([], [(0, pair)], [(1, Parallel(A, B))]):

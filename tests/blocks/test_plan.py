@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
+from tests.cases import examples
 
 from robophm.blocks.diagram import KOutOfN, Parallel, Series, Unit
 from robophm.blocks.reliability import Structure
@@ -43,7 +44,7 @@ def brute_birnbaum(block, names, p):
     return found
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=examples(50))
 @given(blocks("abcdef"), st.integers(0, 2**32 - 1))
 def test_birnbaum_is_that_of_all_states(block, seed):
     structure = Structure(block)
@@ -51,7 +52,7 @@ def test_birnbaum_is_that_of_all_states(block, seed):
     assert_allclose(structure.birnbaum(p, 1 - p), brute_birnbaum(block, structure.names, p), rtol=1e-12, atol=1e-15)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=examples(50))
 @given(blocks("abcdefgh"), st.integers(0, 2**32 - 1))
 def test_birnbaum_gives_the_density(block, seed):
     """f = Σᵢ Iᴮᵢ·fᵢ, at every moment."""
@@ -76,7 +77,7 @@ def test_birnbaum_of_a_k_of_n_is_that_exactly_k_less_one_of_the_others_work(k, n
     assert_allclose(Structure(block).birnbaum(p, 1 - p), expected, rtol=1e-12)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=examples(50))
 @given(blocks("abcdefghij"), st.integers(0, 2**32 - 1))
 def test_what_if_is_a_full_evaluation_to_the_last_bit(block, seed):
     structure = Structure(block)
@@ -93,7 +94,7 @@ def test_what_if_is_a_full_evaluation_to_the_last_bit(block, seed):
     assert moment.state == structure.state(1 - q, q, f)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=examples(50))
 @given(blocks("abcdefgh"), st.integers(0, 2**32 - 1))
 def test_units_of_a_kind_are_equal_units(block, seed):
     names = Structure(block).names

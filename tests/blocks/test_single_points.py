@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import pytest
+from tests.cases import each_case
 
 from robophm.blocks.single_points import single_points_of_failure
 
@@ -10,7 +10,7 @@ from ..structures import works
 from .random_diagrams import drawn, random_diagrams
 
 
-@pytest.mark.parametrize("seed", range(150))
+@each_case("seed", range(150))
 def test_single_points_of_failure(seed: int) -> None:
     """A part by whose failure alone one of the diagrams fails; the others all work."""
     diagrams = random_diagrams(10_000 + seed)

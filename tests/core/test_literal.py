@@ -9,6 +9,7 @@ import time
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.cases import examples
 
 from robophm.core.errors import SourceError
 from robophm.core.literal import LONGEST_LITERAL, MOST_NUMBERS, numbers, rows
@@ -29,7 +30,7 @@ def test_reads_rows_that_python_prints(values: list[list[float]], outer: type, i
     assert rows(repr(outer(map(inner, values)))) == [[float(value) for value in row] for row in values]
 
 
-@settings(derandomize=True, max_examples=2000, deadline=None)
+@settings(derandomize=True, max_examples=examples(2000), deadline=None)
 @given(st.text("[](),, 019.eE+-", max_size=12).map(lambda text: f"[{text}]"))
 def test_whatever_is_read_python_reads_alike(text: str) -> None:
     for read in (numbers, rows):

@@ -5,12 +5,13 @@ import sys
 import time
 
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import UnitError
 from robophm.core.units import _USUAL, _of_pint, conversion, quantity
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("written", "inside", "expected"),
     [
         ("12 FIT", "1/h", 12e-9),
@@ -51,13 +52,13 @@ def test_conversion(written, inside, expected):
     assert quantity(written, inside) == pytest.approx(expected, rel=1e-14, abs=1e-12)
 
 
-@pytest.mark.parametrize("number", [3, 7, 12, 433, 804])
+@each_case("number", [3, 7, 12, 433, 804])
 def test_powers_of_ten_round_once(number):
     assert quantity(f"{number} FIT", "1/h") == float(f"{number}e-9")
     assert quantity(f"{number} FPMH", "1/h") == float(f"{number}e-6")
 
 
-@pytest.mark.parametrize(("written", "inside"), _USUAL)
+@each_case(("written", "inside"), _USUAL)
 def test_usual_units_are_what_pint_makes_of_them(written, inside):
     assert _USUAL[written, inside] == _of_pint(written, inside)
 
@@ -68,7 +69,7 @@ def test_a_signal_is_converted_by_scale_and_offset():
     assert conversion("K", "degC") == pytest.approx((1.0, -273.15), rel=1e-12)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("written", "inside", "says"),
     [
         ("3 h", "1/h", "does not measure what '1/h' does"),
@@ -124,8 +125,8 @@ HOSTILE = {
 }
 
 
-@pytest.mark.parametrize("text", HOSTILE.values(), ids=HOSTILE.keys())
-@pytest.mark.parametrize("inside", ["h", "1/h", ""])
+@each_case("text", HOSTILE.values(), ids=HOSTILE.keys())
+@each_case("inside", ["h", "1/h", ""])
 def test_hostile_texts_fail_at_once_in_one_line(text, inside):
     quantity("1 h", "h")  # the registry is loaded
     begun = time.process_time()
@@ -147,7 +148,7 @@ def test_a_million_hours_may_be_written_either_way() -> None:
     assert quantity("0.3 /1e6 h", "1/h") == quantity("0.3 /10^6 h", "1/h") == 3e-7
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "inside", "value"),
     [("5 °C/W", "K/W", 5.0), ("5 degC/W", "K/W", 5.0), ("9 degF/W", "K/W", 5.0), ("5 K/W", "K/W", 5.0)],
 )
@@ -155,7 +156,7 @@ def test_a_temperature_beside_another_unit_is_a_difference(text, inside, value):
     assert quantity(text, inside) == pytest.approx(value, rel=1e-12)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "inside", "meant"),
     [("25 C", "degC", "degC"), ("25 c", "degC", "degC"), ("77 F", "degC", "degF"), ("25 deg C", "degC", "degC"),
      ("15 C", "delta_degC", "K"), ("25 °", "degC", "degC")],
@@ -165,7 +166,7 @@ def test_what_people_write_for_a_temperature_is_told_its_unit(text, inside, mean
         quantity(text, inside)
 
 
-@pytest.mark.parametrize(("text", "share"), [("8 h/day", 1 / 3), ("8 h per day", 1 / 3), ("30 %", 0.3), (0.3, 0.3)])
+@each_case(("text", "share"), [("8 h/day", 1 / 3), ("8 h per day", 1 / 3), ("30 %", 0.3), (0.3, 0.3)])
 def test_a_share_of_the_day(text, share):
     assert quantity(text, "") == pytest.approx(share, rel=1e-15)
 

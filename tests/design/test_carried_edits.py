@@ -6,6 +6,7 @@ import random
 from copy import deepcopy
 
 import pytest
+from tests.cases import each_case
 
 from robophm.design.carried_edits import carry, changes
 from robophm.design.located_error import LocatedError
@@ -25,7 +26,7 @@ def test_what_differs_is_named_and_lists_are_one_value():
     assert list(changes(before, deepcopy(before))) == []
 
 
-@pytest.mark.parametrize("seed", range(60))
+@each_case("seed", range(60))
 def test_edits_of_other_places_stay_whatever_is_taken_back(seed):
     """Two people edit random leaves of their own; taking back one's edits leaves just what the other made."""
     rng = random.Random(seed)
@@ -52,7 +53,7 @@ def test_edits_of_other_places_stay_whatever_is_taken_back(seed):
     assert places(state) == places(expected)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("now", "before", "after", "place"),
     [
         ({"a": 3}, {"a": 2}, {"a": 1}, ("a",)),  # another value since

@@ -7,6 +7,7 @@ import re
 import pytest
 from scipy import stats
 from scipy.special import erfinv
+from tests.cases import each_case
 
 from robophm.core.errors import DesignError
 from robophm.design.file import parse
@@ -52,9 +53,9 @@ def test_these_are_all_lives_that_have_a_scale():
     assert said == set(life_distributions()) - {"piecewise"}
 
 
-@pytest.mark.parametrize("location", [0, 300])
-@pytest.mark.parametrize("said", LIVES)
-@pytest.mark.parametrize("key", ["mtbf", "mttf", "l10", "b10"])
+@each_case("location", [0, 300])
+@each_case("said", LIVES)
+@each_case("key", ["mtbf", "mttf", "l10", "b10"])
 def test_the_scale_is_that_of_the_figure(key, said, location):
     mean, tenth = LIVES[said]
     found = mode(f"{key}: 1000 h, {life_of(said, location)}")
@@ -74,7 +75,7 @@ def test_the_scale_is_that_of_the_figure(key, said, location):
     assert getattr(found.life, "location", 0) == location
 
 
-@pytest.mark.parametrize("said", MOVED)
+@each_case("said", MOVED)
 def test_lives_that_are_moved_by_their_figure(said):
     mean, tenth = MOVED[said]
     by_mean, by_tenth = (mode(f"{key}: 1000 h, {life_of(said)}").life for key in ("mtbf", "l10"))
@@ -84,7 +85,7 @@ def test_lives_that_are_moved_by_their_figure(said):
     assert by_tenth.mean() == pytest.approx(1000 - tenth + mean, rel=1e-12)
 
 
-@pytest.mark.parametrize("said", ["", "weibull, shape: 1.5", "weibull, shape: 3"])
+@each_case("said", ["", "weibull, shape: 1.5", "weibull, shape: 3"])
 def test_a_tenth_is_that_of_the_handbooks_model(said):
     """The model is the closed form of the Weibull; the key asks the life itself. They are one figure."""
     shape = float(said.rpartition(" ")[2] or 1)
@@ -93,7 +94,7 @@ def test_a_tenth_is_that_of_the_handbooks_model(said):
     assert mode(f"b10: 1000 h, {life_of(said)}").rate == pytest.approx(rate, rel=1e-13)
 
 
-@pytest.mark.parametrize("clock", CLOCK_UNITS)
+@each_case("clock", CLOCK_UNITS)
 def test_a_figure_is_in_the_unit_of_its_clock(clock):
     unit = CLOCK_UNITS[clock]
     assert mode(f"mtbf: 200 {unit}, clock: {clock}").rate == pytest.approx(1 / 200, rel=1e-15)
@@ -101,8 +102,8 @@ def test_a_figure_is_in_the_unit_of_its_clock(clock):
     assert mode("l10: 5e6 m, clock: kilometres").rate == pytest.approx(TENTH / 5000, rel=1e-12)
 
 
-@pytest.mark.parametrize("key", ["mtbf", "l10"])
-@pytest.mark.parametrize("location", [0, 300])
+@each_case("key", ["mtbf", "l10"])
+@each_case("location", [0, 300])
 def test_what_is_learned_is_of_the_rate_that_follows(key, location):
     life = life_of("weibull, shape: 1.5", location)
     stated = mode(f"{key}: 1000 h, {life}")
@@ -163,7 +164,7 @@ FAULTS = {
 }
 
 
-@pytest.mark.parametrize("text", FAULTS)
+@each_case("text", FAULTS)
 def test_what_is_wrong_is_said_at_its_key(text):
     with pytest.raises(DesignError, match=re.escape(FAULTS[text])):
         mode(text)

@@ -9,6 +9,7 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from tests.cases import each_case
 
 from robophm.blocks.diagram import Parallel
 from robophm.blocks.reliability import Structure
@@ -177,7 +178,7 @@ NUMBERS = {
 """The kind, inputs but for plausible ones, a factor, a rate per 10⁶, or one without some factors; right, and wrong."""
 
 
-@pytest.mark.parametrize("fault", NUMBERS)
+@each_case("fault", NUMBERS)
 def test_fault(fault):
     kind, changed, what, right, wrong = NUMBERS[fault]
     model = handbook_model(kind)
@@ -201,7 +202,7 @@ CLOCKS = {
 }
 
 
-@pytest.mark.parametrize("fault", CLOCKS)
+@each_case("fault", CLOCKS)
 def test_clock(fault):
     assert handbook_model(CLOCKS[fault]).unit == "1/cycle"
 
@@ -223,7 +224,7 @@ REFUSED = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("fault", REFUSED)
+@each_case("fault", REFUSED)
 def test_refused(fault):
     kind, changed, message = REFUSED[fault]
     given = {key: value for key, value in {**plausible(kind), **changed}.items() if value is not None}
@@ -231,12 +232,12 @@ def test_refused(fault):
         handbook_model(kind).settle(given)
 
 
-@pytest.mark.parametrize("kind", ["resistor", "capacitor", "relay", "fuse", "crystal"])
+@each_case("kind", ["resistor", "capacitor", "relay", "fuse", "crystal"])
 def test_only_three_environments(kind):
     assert len(set(ENVIRONMENTS) & set(handbook_model(f"{MIL}.{kind}").inputs["environment"].options)) >= 13
 
 
-@pytest.mark.parametrize("n", [2, 3, 5])
+@each_case("n", [2, 3, 5])
 def test_parallel_parts_as_the_sum_of_rates_by_the_harmonic_number(n):
     """Of n equal parts in parallel the mean life is H_n/λ; the tool has n·λ/H_n for its inverse, nλ too many."""
     rate, names = 1e-3, [f"part {i}" for i in range(n)]

@@ -1,6 +1,7 @@
 """Words for environments: every model and the design take the same, and no word means two."""
 
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 from robophm.hazard.environments import ENVIRONMENTS, WORDS, environment, explained
@@ -10,7 +11,7 @@ from robophm.hazard.model import Choice
 ASKING = [name for name in handbook_models() if "environment" in handbook_model(name).inputs]
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("said", "symbol"),
     [  # what Table 3-2 describes: controlled rooms; racks, unheated buildings; wheels and tracks; ships; helicopters
         ("indoor", "GB"), ("laboratory", "GB"), ("unheated building", "GF"), ("vehicle", "GM"),
@@ -31,7 +32,7 @@ def test_no_word_means_two_environments():
     assert all(environment(word) == symbol for word, symbol in WORDS.items())
 
 
-@pytest.mark.parametrize("name", ASKING)
+@each_case("name", ASKING)
 def test_every_model_takes_the_words(name):
     choice = handbook_model(name).inputs["environment"]
     assert isinstance(choice, Choice)

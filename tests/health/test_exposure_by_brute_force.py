@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
+from tests.cases import examples
 
 from robophm.core.signal import CLOCK, HOUR, SECOND, Sample
 from robophm.monitoring.monitor import WINDOW
@@ -187,7 +188,7 @@ def designs(draw: st.DrawFn) -> dict[str, Any]:
     }
 
 
-@settings(max_examples=150)
+@settings(max_examples=examples(150))
 @given(streams(), designs(), st.sampled_from([3, 10, 60]))
 def test_ledger_is_that_of_the_slow_integrator(received: list[Sample], design: dict[str, Any], period: int) -> None:
     slow = BruteForce(received, period * SECOND, **design)

@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 from mpmath import mp, mpf
+from tests.cases import each_case
 
 from robophm.blocks.diagram import Block, Unit
 from robophm.design.robot import Robot
@@ -232,7 +233,7 @@ def _drawn(block: Block) -> set[str]:
     return {block.name} if isinstance(block, Unit) else set().union(*map(_drawn, block.blocks))
 
 
-@pytest.mark.parametrize("seed", range(120))
+@each_case("seed", range(120))
 def test_random_robots_and_tasks(seed: int) -> None:
     case = Case.draw(seed)
     design = case.design()
@@ -242,7 +243,7 @@ def test_random_robots_and_tasks(seed: int) -> None:
         same(completion(outlook, Task(tuple(case.legs))), probability, failure)
 
 
-@pytest.mark.parametrize("seed", range(0, 40, 4))
+@each_case("seed", range(0, 40, 4))
 def test_a_component_that_cannot_fail(seed: int) -> None:
     """Without its failures, as if it were known to work and its rate were next to nothing."""
     case = Case.draw(seed)

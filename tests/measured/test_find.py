@@ -6,6 +6,7 @@ import math
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.cases import examples
 
 from robophm.core.errors import RobophmError, SourceError
 from robophm.core.signal import SECOND
@@ -45,7 +46,7 @@ def says(condition):
     return holds
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(drives, conditions, st.sampled_from([1, 2 * SECOND, 5 * SECOND]), st.sampled_from([2 * SECOND, 5 * SECOND]))
 def test_finds_are_those_of_a_plain_loop(tmp_path_factory, drive, condition, at_least, max_age):
     folder = tmp_path_factory.mktemp("drive")
@@ -59,7 +60,7 @@ def test_finds_are_those_of_a_plain_loop(tmp_path_factory, drive, condition, at_
             assert (found.count, found.length) == (len(expected), sum(hit[1] - hit[0] for hit in expected))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(drives, st.sampled_from([SECOND, 5 * SECOND, 30 * SECOND]))
 def test_missing_is_the_time_between_samples_and_to_the_ends(tmp_path_factory, drive, at_least):
     messages = list(messages_of(drive))

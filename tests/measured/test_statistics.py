@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.cases import examples
 
 from robophm.core.errors import RobophmError
 from robophm.core.signal import HOUR, SECOND
@@ -55,7 +56,7 @@ drives = st.lists(
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60), deadline=None)
 @given(drives, st.sampled_from([SECOND // 2, 2 * SECOND, 60 * SECOND]), st.sampled_from([2 * SECOND, 5 * SECOND]))
 def test_windows_are_those_of_a_plain_loop(tmp_path_factory, drive, every, max_age):
     received, messages = START, []
@@ -142,7 +143,7 @@ cells = st.lists(
 )
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(cells, st.integers(2, 30), st.data())
 def test_levels_do_not_depend_on_the_blocks(rows, wanted, data):
     table = np.array(rows)
@@ -179,7 +180,7 @@ def test_one_level_alone_and_too_many():
             Levels(1, 1, wanted)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100), deadline=None)
 @given(st.lists(st.tuples(st.integers(1, 10**13), st.floats(-5, 5)), min_size=1, max_size=50), st.data())
 def test_courses_do_not_depend_on_the_blocks(rows, data):
     times = START + np.cumsum([wait for wait, _ in rows])

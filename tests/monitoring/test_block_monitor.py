@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.cases import examples
 
 import robophm
 from robophm.core.signal import SECOND, Sample
@@ -148,7 +149,7 @@ def stream(seed: int, count: int, *, rough: bool) -> Arrivals:
     return sorted(found, key=lambda one: (one[0], one[1].signal))
 
 
-@settings(max_examples=60, deadline=None, derandomize=True, database=None)
+@settings(max_examples=examples(60), deadline=None, derandomize=True, database=None)
 @given(
     st.builds(stream, st.integers(0, 2**32), st.integers(1, 250), rough=st.booleans()),
     st.sampled_from([0.3, 5.0, 30.0]),

@@ -8,6 +8,7 @@ from functools import cache
 from itertools import pairwise
 
 import pytest
+from tests.cases import each_case
 
 from robophm.core.units import quantity
 from robophm.design.file import parse
@@ -18,7 +19,7 @@ from robophm.life.curve import Curve
 from robophm.parts import FIGURES, GRADES, graded, library, search
 
 ENTRIES = library()
-every = pytest.mark.parametrize("name", ENTRIES)
+every = each_case("name", ENTRIES)
 USAGE = {"kilometres": "1 km/h", "cycles": "0.1 cycle/h", "starts": "0.2 start/h"}
 
 

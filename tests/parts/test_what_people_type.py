@@ -1,6 +1,6 @@
 """What people type for a part of a robot finds the right entry first, the words of shared/robots and others alike."""
 
-import pytest
+from tests.cases import each_case
 
 from robophm.parts import search
 
@@ -83,6 +83,6 @@ def test_nine_of_ten_of_the_shared_words_are_found_first(shared):
     assert len(right) >= 0.9 * len(asked), sorted(set(asked) - set(right))
 
 
-@pytest.mark.parametrize("word", [*OTHERS, *MORE])
+@each_case("word", [*OTHERS, *MORE])
 def test_others_are_found_first_too(word):
     assert [entry.name for entry in search(word)][:1] == [(OTHERS | MORE)[word]]

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.cases import examples
 
 from robophm.blocks.diagram import Block, KOutOfN, Parallel, Series, Unit, units
 from robophm.report.diagram_svg import diagram_svg
@@ -101,7 +102,7 @@ def groups(inner: st.SearchStrategy[Block]) -> st.SearchStrategy[Block]:
 diagrams = st.recursive(st.sampled_from(NAMES).map(Unit), groups, max_leaves=40)
 
 
-@settings(derandomize=True, deadline=None, max_examples=150)
+@settings(derandomize=True, deadline=None, max_examples=examples(150))
 @given(diagrams, st.sampled_from([300.0, 1000.0]))
 def test_nothing_overlaps_and_all_is_in_view(diagram: Block, width: float) -> None:
     svg = diagram_svg(diagram, label, width)

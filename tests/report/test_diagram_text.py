@@ -7,6 +7,7 @@ from textwrap import dedent
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.cases import examples
 
 from robophm.blocks.diagram import Block, KOutOfN, Link, Network, Parallel, Series, Unit
 from robophm.report.diagram_text import cells, diagram_text
@@ -157,7 +158,7 @@ def groups(inner: st.SearchStrategy[Block]) -> st.SearchStrategy[Block]:
     return st.one_of(several.map(lambda blocks: Series(*blocks)), several.map(lambda blocks: Parallel(*blocks)))
 
 
-@settings(derandomize=True, deadline=None, max_examples=100)
+@settings(derandomize=True, deadline=None, max_examples=examples(100))
 @given(groups(st.one_of(names, groups(st.one_of(names, groups(names))))), st.sampled_from([80, 120]))
 def test_lines_are_not_longer_than_the_terminal(diagram: Block, width: int) -> None:
     assert max(map(cells, drawn(diagram, width=width).splitlines())) <= width

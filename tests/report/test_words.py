@@ -3,6 +3,7 @@ from __future__ import annotations
 import math
 
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import UnitError
 from robophm.report.words import duration_text, failure_text, number_text, percent_texts, probability_text, rate_text
@@ -10,7 +11,7 @@ from robophm.report.words import duration_text, failure_text, number_text, perce
 INF, NAN = math.inf, math.nan
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("value", "text"),
     [
         (0, "0"),
@@ -35,7 +36,7 @@ def test_number(value: float, text: str) -> None:
     assert number_text(value) == text
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("p", "failure", "text"),
     [
         (1 - 1 / 4700, 1 / 4700, "99.98 % (fails 1 in 4,700)"),
@@ -57,7 +58,7 @@ def test_probability(p: float, failure: float | None, text: str) -> None:
     assert probability_text(p, failure) == text
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("failure", "text"), [(1 / 4700, "1 in 4,700"), (0.05, "1 in 20"), (0.5, "50 %"), (0.0, "0 %"), (1.0, "100 %")]
 )
 def test_failure(failure: float, text: str) -> None:
@@ -70,7 +71,7 @@ def test_less_than_certain_never_reads_as_certain() -> None:
         assert not probability_text(1 - failure, failure).startswith("100")
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("rate", "unit", "text"),
     [
         (5.8e-6, "1/h", "5.8e-6 /h"),
@@ -91,7 +92,7 @@ def test_unknown_unit_of_rate() -> None:
         rate_text(1e-6, "fits")
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("hours", "text"),
     [
         (1e6 / 3600, "11.6 days"),
@@ -117,7 +118,7 @@ def test_duration(hours: float, text: str) -> None:
     assert duration_text(hours) == text
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("one", "other", "texts"),
     [
         (1 / 7400, 1 / 7900, ("99.986 %", "99.987 %")),

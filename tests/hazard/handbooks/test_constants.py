@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from tests.cases import each_case
 
 from robophm.hazard.handbooks.mil_hdbk_217f import (
     capacitor,
@@ -64,13 +65,13 @@ CONSTANTS = {
 """Constants that are in no table."""
 
 
-@pytest.mark.parametrize("name", CONSTANTS)
+@each_case("name", CONSTANTS)
 def test_constants(name, second):
     ours, file, theirs = CONSTANTS[name]
     assert ours == theirs(second(file))
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("kind", "given", "symbol", "file", "path"),
     [
         ("mil_hdbk_217f.fuse", {}, "λb", OTHERS, ("fuse", "lambda_b")),
@@ -103,7 +104,7 @@ def test_base_rates(kind, given, symbol, file, path, second):
     assert leaf(kind, symbol, **given) == at(file, *path)(second)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("kind", "file", "path"),
     [
         ("transistor_bipolar_low_frequency", TRANSISTORS, ("6.3_bipolar_lf",)),

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError, PlugError, UnitError
 from robophm.core.units import quantity
@@ -18,7 +19,7 @@ from robophm.hazard.model import Choice, Note, Range
 FOLDER = Path(__file__).parents[2] / "data" / "plausible_inputs"
 PLAUSIBLE = {file.stem: json.loads(file.read_text(encoding="utf-8")) for file in FOLDER.glob("*.json")}
 NAMES = handbook_models()
-every = pytest.mark.parametrize("name", NAMES)
+every = each_case("name", NAMES)
 
 
 def numbers():
@@ -71,7 +72,7 @@ def test_the_declaration_is_complete(name):
             assert entry.default is None or entry.default in entry.options
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("name", "of", "status"),
     [
         *((f"mil_hdbk_217f.microcircuit.{kind}", "200 screening points", "from memory") for kind in (
@@ -119,7 +120,7 @@ def worth(factor):
     return of(worth(part) for part in factor.parts) if of and factor.parts else float(np.asarray(factor.value))
 
 
-@pytest.mark.parametrize("name", dict.fromkeys(name for name, _, _ in choices()))
+@each_case("name", dict.fromkeys(name for name, _, _ in choices()))
 def test_every_choice_has_an_answer(name):
     for _, key, option in (one for one in choices() if one[0] == name):
         model, inputs = plausible(name, **{key: option})
@@ -140,7 +141,7 @@ def test_an_option_is_meant_by_one_word_in_any_spelling(name):
                 assert plain.option(said) is None, (key, said)
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if "environment" in handbook_model(name).inputs])
+@each_case("name", [name for name in NAMES if "environment" in handbook_model(name).inputs])
 def test_every_environment_has_an_answer_or_is_refused(name):
     """All fourteen; one without a printed πE is no choice."""
     entry = handbook_model(name).inputs["environment"]
@@ -189,7 +190,7 @@ def test_every_rating_is_known_to_limit_something_or_nothing():
     assert ratings == {(name, rated) for name, _, rated in STRESS} | RATINGS_ALONE
 
 
-@pytest.mark.parametrize(("name", "applied", "rated"), STRESS)
+@each_case(("name", "applied", "rated"), STRESS)
 def test_overstress_is_an_error_in_a_design_and_a_flag_live(name, applied, rated):
     model, inputs = plausible(name)
     limit = STRESS[name, applied, rated] * inputs[rated]
@@ -206,7 +207,7 @@ def test_overstress_is_an_error_in_a_design_and_a_flag_live(name, applied, rated
     assert np.all(np.diff(value) >= 0)
 
 
-@pytest.mark.parametrize(("name", "key"), numbers())
+@each_case(("name", "key"), numbers())
 def test_arrays_are_scalars_side_by_side(name, key):
     model, inputs = plausible(name)
     values = span(model.numbers[key], inputs[key])[::20]
@@ -227,7 +228,7 @@ def test_arrays_broadcast(name):
         assert value == pytest.approx(float(model.evaluate(inputs).value), rel=1e-14)
 
 
-@pytest.mark.parametrize(("name", "key"), numbers())
+@each_case(("name", "key"), numbers())
 def test_monotone_where_declared(name, key):
     model, inputs = plausible(name)
     entry = model.numbers[key]
@@ -239,7 +240,7 @@ def test_monotone_where_declared(name, key):
         assert value[0] != value[-1]
 
 
-@pytest.mark.parametrize(("name", "key"), numbers())
+@each_case(("name", "key"), numbers())
 def test_out_of_range_is_an_error_in_a_design_and_a_flag_live(name, key):
     model, inputs = plausible(name)
     entry = model.numbers[key]

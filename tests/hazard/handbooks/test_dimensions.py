@@ -6,6 +6,7 @@ For kinds of which hardly an answer is published: a slip in a power, a unit or a
 import math
 
 import pytest
+from tests.cases import each_case
 
 from robophm.hazard.handbooks import handbook_models
 
@@ -78,8 +79,8 @@ SIMILAR = [
 """What is scaled by which power of a number, and the power of it by which the rate then is."""
 
 
-@pytest.mark.parametrize("times", [0.9, 1.1])
-@pytest.mark.parametrize(("kind", "powers", "result"), SIMILAR)
+@each_case("times", [0.9, 1.1])
+@each_case(("kind", "powers", "result"), SIMILAR)
 def test_what_is_scaled_together(kind, powers, result, times):
     model = Adapter(kind, {}).model
     inputs = model.settle(plausible(kind))
@@ -138,6 +139,6 @@ REFERENCE = [
 """Where the handbooks normalise a factor."""
 
 
-@pytest.mark.parametrize(("kind", "symbol", "given", "expected"), REFERENCE)
+@each_case(("kind", "symbol", "given", "expected"), REFERENCE)
 def test_at_its_reference_point(kind, symbol, given, expected):
     assert of(kind, symbol, **given) == pytest.approx(expected, rel=1e-4 if symbol == "C_SC,R" else 1e-9)

@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
+from tests.cases import each_case
 
 from robophm.core.units import quantity
 from robophm.hazard import handbooks
@@ -63,7 +64,7 @@ def said(text):
     return dict(pair.split("=") for pair in text.split(", "))
 
 
-@pytest.mark.parametrize(("at", "symbol", "there", "beyond", "then"), EDGES)
+@each_case(("at", "symbol", "there", "beyond", "then"), EDGES)
 def test_a_printed_boundary_is_of_the_printed_row(at, symbol, there, beyond, then, factors):
     kind, _, given = at.partition(": ")
     model = handbook_model(f"mil_hdbk_217f.{kind}")
@@ -72,7 +73,7 @@ def test_a_printed_boundary_is_of_the_printed_row(at, symbol, there, beyond, the
     assert factors(model, model.settle({**design, **said(beyond)}))[symbol] == pytest.approx(then, rel=1e-12)
 
 
-@pytest.mark.parametrize(("bore", "expected"), [("99.9 mm", 1.8), ("100 mm", 1.8), ("10 cm", 1.8), ("100.1 mm", 1.4)])
+@each_case(("bore", "expected"), [("99.9 mm", 1.8), ("100 mm", 1.8), ("10 cm", 1.8), ("100.1 mm", 1.4)])
 def test_a_bearing_of_exactly_100_mm(bore, expected, factors):
     """Printed for d below and above 100 mm alone: at 100 mm the larger of both counts."""
     model = handbook_model("nswc_11.bearing")
@@ -102,7 +103,7 @@ OTHER_UNITS = {
 NUMBERS = [(name, key) for name in handbook_models() for key in handbook_model(name).numbers]
 
 
-@pytest.mark.parametrize(("name", "key"), NUMBERS)
+@each_case(("name", "key"), NUMBERS)
 def test_a_limit_is_a_limit_in_every_unit(name, key):
     """What conversion rounds off takes no number out of its range: 302 °F are 150 °C, in a design and live."""
     model = handbook_model(name)

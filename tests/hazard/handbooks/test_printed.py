@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from tests.cases import each_case
 
 from .mil_hdbk_217f.adapters import ADAPTERS
 from .transcription import OTHERS, at
@@ -56,7 +57,7 @@ def rounding(printed):
     return 0.55 * 10.0**-behind
 
 
-@pytest.mark.parametrize(("file", "path", "section", "factor", "levels"), TABLES)
+@each_case(("file", "path", "section", "factor", "levels"), TABLES)
 def test_printed_factors(file, path, section, factor, levels, second):
     found = list(cells(at(file, *path)(second), levels))
     assert len(found) >= 15

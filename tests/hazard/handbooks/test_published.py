@@ -7,6 +7,7 @@ import json
 import math
 
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 from robophm.hazard.handbooks import handbook_model, handbook_models
@@ -59,7 +60,7 @@ def within(case):
     return pytest.approx(case["expected"]["value"], rel=tolerance.get("rel", 0), abs=tolerance.get("abs", 0))
 
 
-@pytest.mark.parametrize("name", AGREED)
+@each_case("name", AGREED)
 def test_published_answers(name, answer):
     case = CASES[name]
     of = adapter(case)
@@ -71,7 +72,7 @@ def test_published_answers(name, answer):
         assert of.intermediate(case, factor) == pytest.approx(printed, abs=second_digit)
 
 
-@pytest.mark.parametrize("name", DISPUTED)
+@each_case("name", DISPUTED)
 def test_where_the_print_is_disputed_the_equation_counts(name, answer):
     of = adapter(CASES[name])
     answer(of.kind, FILE, disputed=True)
@@ -88,7 +89,7 @@ def test_no_case_is_dropped(shared):
     assert {adapter(case).kind for case in CASES.values()} <= set(handbook_models())
 
 
-@pytest.mark.parametrize("change", ["input", "factor", "word", "unit"])
+@each_case("change", ["input", "factor", "word", "unit"])
 def test_what_an_adapter_does_not_know_fails_its_case(change):
     case = json.loads(json.dumps(CASES["appA_relay_general_MF" if change != "factor" else "relay_piL_Lamp_0.2"]))
     if change == "input":
@@ -103,7 +104,7 @@ def test_what_an_adapter_does_not_know_fails_its_case(change):
         adapter(case).answers(case)
 
 
-@pytest.mark.parametrize("name", BY_THE_TOOL)
+@each_case("name", BY_THE_TOOL)
 def test_the_2020_tool_where_it_is_right_and_not_where_it_is_wrong(name):
     case = ORIGINAL[name]
     same = all(found == within(case) for found in adapter(case).answers(case, checked=False))
@@ -121,7 +122,7 @@ def test_of_ten_times_its_rated_current_a_relay_has_no_answer():
 PRINTED_IN_THE_PAPER = [name for name, case in ORIGINAL.items() if case["handbook"] == "seed paper Table 17"]
 
 
-@pytest.mark.parametrize("name", PRINTED_IN_THE_PAPER)
+@each_case("name", PRINTED_IN_THE_PAPER)
 def test_the_papers_table_17(name):
     """Its crystals were entered in Hz, 10⁶ to the power of 0.23 times too much; its fuses agree, one in CL."""
     case = ORIGINAL[name]

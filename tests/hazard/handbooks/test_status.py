@@ -2,7 +2,7 @@
 
 import json
 
-import pytest
+from tests.cases import each_case
 
 from robophm.hazard.handbooks import handbook_model, handbook_models
 
@@ -19,7 +19,7 @@ UNSAID = (
 )  # which say that the text itself was not to be had, or are it
 
 
-@pytest.mark.parametrize("kind", [kind for kind in handbook_models() if not kind.startswith(UNSAID)])
+@each_case("kind", [kind for kind in handbook_models() if not kind.startswith(UNSAID)])
 def test_a_page_denies_no_published_answer_that_exists(kind):
     denied = "no published answer" in handbook_model(kind).source.status
     assert denied == (kind not in ANSWERED)

@@ -10,7 +10,7 @@ import re
 from importlib import import_module
 
 import numpy as np
-import pytest
+from tests.cases import each_case
 
 import robophm.hazard
 from robophm.core.table import Table
@@ -407,7 +407,7 @@ def test_every_table_has_a_second_transcription_or_is_known_to_have_none():
     assert not SECOND.keys() & ALONE.keys()
 
 
-@pytest.mark.parametrize("name", SECOND)
+@each_case("name", SECOND)
 def test_row_by_row(name, second):
     theirs = {spelled(key): row for key, row in SECOND[name](second).items() if row is not None}
     ours = {spelled(key): row for key, row in TABLES[name].rows.items()}

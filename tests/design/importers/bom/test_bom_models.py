@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.cases import each_case
 
 from robophm.design.importers.bom.assumptions import OF_ALL, Assumptions, TooLittle
 from robophm.design.importers.bom.kinds import KINDS, OTHER, PREFIXES
@@ -54,7 +55,7 @@ def test_kinds_are_kinds():
     assert {kind for kinds in PREFIXES.values() for kind in kinds} <= set(KINDS)
 
 
-@pytest.mark.parametrize("kind", RULES)
+@each_case("kind", RULES)
 def test_every_kind_is_rated_and_all_that_is_assumed_is_said(kind):
     """Of which nothing but its kind is known: each input has its reason, and the model takes them all."""
     rating = rated(kind, ASKED_FOR.get(kind, {}))
@@ -70,7 +71,7 @@ def test_every_kind_is_rated_and_all_that_is_assumed_is_said(kind):
     assert 1e-13 < rate < 1e-3
 
 
-@pytest.mark.parametrize("environment", ENVIRONMENTS)
+@each_case("environment", ENVIRONMENTS)
 def test_every_kind_is_rated_in_every_environment_that_its_section_has(environment):
     rater = Rater(Assumptions(environment=environment))
     for kind, rule in RULES.items():
@@ -83,13 +84,13 @@ def test_every_kind_is_rated_in_every_environment_that_its_section_has(environme
             assert rates([rater.rating(part)])[0] > 0, kind
 
 
-@pytest.mark.parametrize("kind", RATES)
+@each_case("kind", RATES)
 def test_rates_by_hand(kind):
     assert rates([rated(kind, FACTS)])[0] == pytest.approx(RATES[kind] * 1e-6, rel=1e-12)
 
 
-@pytest.mark.parametrize("environment", ["GB", "GF", "GM", "AIF", "MF"])
-@pytest.mark.parametrize(
+@each_case("environment", ["GB", "GF", "GM", "AIF", "MF"])
+@each_case(
     ("kind", "facts", "row", "stress", "quality"),
     [
         ("diode", {}, "diode-general", 0.7, "JANTX"),
@@ -125,8 +126,8 @@ def test_what_is_assumed_gives_what_the_handbook_prints_for_parts_of_which_nothi
     assert rates([found])[0] == pytest.approx(printed, rel=0.065)  # two digits are printed
 
 
-@pytest.mark.parametrize("environment", ["GB", "GM", "NS"])
-@pytest.mark.parametrize(
+@each_case("environment", ["GB", "GM", "NS"])
+@each_case(
     ("kind", "row", "facts"),
     [
         ("thyristor", "thyristor", {}),
@@ -144,7 +145,7 @@ def test_other_semiconductors_are_as_printed_too(kind, row, facts, environment):
     assert rates([rated(kind, facts, assumptions)])[0] == pytest.approx(printed, **APPENDIX["tolerance"])
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("kind", "facts", "words"),
     [
         ("encoder", {}, "the list does not say that it has contacts"),
@@ -189,7 +190,7 @@ def test_parts_rated_together_are_rated_as_each_alone():
     assert rates([]).shape == (0,)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("kind", "more", "inputs"),
     [
         ("resistor", {}, {"style": "RM", "power": "0.05 W", "rated_power": "0.1 W", "temperature": "40 degC"}),
@@ -225,7 +226,7 @@ def test_inputs(kind, more, inputs):
     assert {name: made.get(name) for name in inputs} == inputs
 
 
-@pytest.mark.parametrize("kind", RULES)
+@each_case("kind", RULES)
 def test_what_is_assumed_of_all_parts_is_what_the_wishes_change(kind):
     """And nothing else is: what a report may leave out beside each kind, it says once."""
     facts = ASKED_FOR.get(kind, {})

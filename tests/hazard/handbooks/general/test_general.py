@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.stats import weibull_min
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 from robophm.hazard.handbooks import handbook_model
@@ -15,14 +16,12 @@ def rate(name, **given):
     return float(model.evaluate(model.settle(given)).value)
 
 
-@pytest.mark.parametrize(
-    ("chemistry", "printed"), [("primary", 20e-9), ("nickel_cadmium", 100e-9), ("lithium_ion", 150e-9)]
-)
+@each_case(("chemistry", "printed"), [("primary", 20e-9), ("nickel_cadmium", 100e-9), ("lithium_ion", 150e-9)])
 def test_batteries_of_the_papers_table_4(chemistry, printed):
     assert rate("general.battery", chemistry=chemistry) == pytest.approx(printed, rel=1e-15)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("word", "chemistry"),
     [("Li-Ion", "lithium_ion"), ("LiPo", "lithium_ion"), ("NiCd", "nickel_cadmium"), ("alkaline", "primary")],
 )
@@ -47,8 +46,8 @@ def test_a_makers_mtbf():
     assert rate("general.mtbf", mtbf="20 year", source="x") == pytest.approx(1 / (20 * 365.25 * 24), rel=1e-12)
 
 
-@pytest.mark.parametrize("shape", [0.7, 1.0, 1.5, 3.0, 10.0])
-@pytest.mark.parametrize(("name", "unit"), [("b10", "h"), ("b10_cycles", "cycle")])
+@each_case("shape", [0.7, 1.0, 1.5, 3.0, 10.0])
+@each_case(("name", "unit"), [("b10", "h"), ("b10_cycles", "cycle")])
 def test_a_tenth_fails_by_b10(name, unit, shape):
     """1/λ is the mean of the Weibull distribution whose 10 % quantile is B10, by another program."""
     scale = 5e4 / weibull_min.ppf(0.1, shape)

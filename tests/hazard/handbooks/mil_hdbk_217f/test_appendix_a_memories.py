@@ -1,6 +1,7 @@
 """Memories of MIL-HDBK-217F Notice 2 §5.2 against generic rates of its Appendix A; GaAs, where the two differ."""
 
 import pytest
+from tests.cases import each_case
 
 from .appendix_a import Printed, rate
 
@@ -19,7 +20,7 @@ def test_the_rates_are_all_there():
     assert PRINTED.counts == (24, 333, 3)
 
 
-@pytest.mark.parametrize(("name", "environment"), PRINTED.rates)
+@each_case(("name", "environment"), PRINTED.rates)
 def test_generic_rates(name, environment, answer):
     row = ROWS[name]
     answer(row["model"], FILE)
@@ -28,9 +29,7 @@ def test_generic_rates(name, environment, answer):
     assert ours == pytest.approx(row["rates"][environment], **PRINTED.tolerance)
 
 
-@pytest.mark.parametrize(
-    "name", [name for name in OTHERS if name.startswith(("logic", "linear", "programmable", "proc"))]
-)
+@each_case("name", [name for name in OTHERS if name.startswith(("logic", "linear", "programmable", "proc"))])
 def test_the_count_has_the_same_rates_of_microcircuits(name):
     """Two transcriptions of one copy: the file of the sections' tests, and the table of parts count."""
     kind, _, rest = name.partition("_")
@@ -42,7 +41,7 @@ def test_the_count_has_the_same_rates_of_microcircuits(name):
             assert counted(part, environment) == pytest.approx(printed, rel=1e-9)
 
 
-@pytest.mark.parametrize(("part", "application", "elements"), [
+@each_case(("part", "application", "elements"), [
     ("gaas-mmic-100", "MMIC", 100), ("gaas-digital-1000", "digital", 1000),
 ])  # fmt: skip
 def test_gallium_arsenide_is_contradicted_by_the_appendix(part, application, elements):

@@ -1,6 +1,7 @@
 """Microcircuits, connections and meters of MIL-HDBK-217F Notice 2 against generic rates printed in its Appendix A."""
 
 import pytest
+from tests.cases import each_case
 
 from .appendix_a import Printed, rate
 
@@ -19,7 +20,7 @@ def test_the_rates_are_all_there():
     assert PRINTED.counts == (41, 504, 63)
 
 
-@pytest.mark.parametrize(("name", "environment"), PRINTED.rates)
+@each_case(("name", "environment"), PRINTED.rates)
 def test_generic_rates(name, environment, answer):
     row = ROWS[name]
     answer(row["model"], FILE)

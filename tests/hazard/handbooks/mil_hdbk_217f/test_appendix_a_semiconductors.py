@@ -1,6 +1,7 @@
 """Semiconductors of MIL-HDBK-217F Notice 2 §6 against generic rates printed in its Appendix A, all environments."""
 
 import pytest
+from tests.cases import each_case
 
 from robophm.hazard.environments import ENVIRONMENTS
 from robophm.hazard.handbooks.mil_hdbk_217f._semiconductor import OPTICAL_ENVIRONMENT, RF_ENVIRONMENT
@@ -25,14 +26,14 @@ def test_the_rates_are_all_there():
     assert PRINTED.counts == (17, 185, 53)
 
 
-@pytest.mark.parametrize(("name", "environment"), PRINTED.rates)
+@each_case(("name", "environment"), PRINTED.rates)
 def test_generic_rates(name, environment, answer):
     row = ROWS[name]
     answer(row["model"], FILE)
     assert ours(row, environment) == pytest.approx(row["rates"][environment], **PRINTED.tolerance)
 
 
-@pytest.mark.parametrize("name", [name for name in ROWS if name.startswith(("opto", "display", "laser"))])
+@each_case("name", [name for name in ROWS if name.startswith(("opto", "display", "laser"))])
 def test_the_appendix_takes_another_environment_factor_for_light(name):
     """Where §6.11 to §6.13 and Appendix A differ, the appendix has πE of high frequency; all else agrees."""
     row = ROWS[name]
@@ -51,7 +52,7 @@ def test_a_laser_is_twice_as_sensitive_to_heat_as_a_led():
         assert printed != pytest.approx(by[2790], rel=0.15)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("given", "junction"),
     [
         ({"power": "0 W"}, 40),
@@ -70,7 +71,7 @@ def test_the_junction_is_warmer_by_what_is_dissipated(given, junction):
     assert warm == pytest.approx(cold, rel=1e-14)
 
 
-@pytest.mark.parametrize("name", ["gaas_low", "gaas_power"])
+@each_case("name", ["gaas_low", "gaas_power"])
 def test_the_appendix_needs_another_factor_for_gallium_arsenide_in_missiles(name):
     """The doubt that the model's source states: 9 and not 7.5."""
     assert ours(ROWS[name], "MF") * 9 / 7.5 == pytest.approx(ROWS[name]["rates"]["MF"], **PRINTED.tolerance)

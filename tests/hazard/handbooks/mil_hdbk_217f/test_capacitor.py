@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 from robophm.hazard.handbooks import handbook_model
@@ -36,7 +37,7 @@ def test_worked_by_hand():
     assert CAPACITOR.evaluate(inputs).value == pytest.approx(expected, rel=1e-14)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("resistance", "printed"),
     [(0.81, 0.66), (0.8, 1.0), (0.61, 1.0), (0.6, 1.3), (0.4, 2.0), (0.2, 2.7), (0.1, 3.3), (0.05, 3.3), (5, 0.66)],
 )
@@ -45,7 +46,7 @@ def test_series_resistance_bands_are_printed_as_greater_than(resistance, printed
     assert factors(CAPACITOR.settle(inputs))["πSR"] == printed
 
 
-@pytest.mark.parametrize("style", STYLE)
+@each_case("style", STYLE)
 def test_only_solid_tantalum_asks_for_the_series_resistance(style):
     inputs = {key: value for key, value in PLAIN.items() if key != "series_resistance"}
     if style in ("CSR", "CWR"):

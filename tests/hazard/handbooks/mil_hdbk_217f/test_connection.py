@@ -1,13 +1,14 @@
 """MIL-HDBK-217F Notice 2 §17.1, connections: by hand."""
 
 import pytest
+from tests.cases import each_case
 
 from robophm.hazard.handbooks import handbook_model
 
 CONNECTION = handbook_model("mil_hdbk_217f.connection")
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("kind", "rate"),
     [("terminal-block", 0.062), ("spring-contact", 0.17), ("reflow", 0.000069), ("hand solder", 0.0013)],
 )

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 from robophm.hazard.handbooks import handbook_model
@@ -30,7 +31,7 @@ def test_worked_by_hand():
     assert CONNECTOR.evaluate(half).value == pytest.approx(expected / 2, rel=1e-14)
 
 
-@pytest.mark.parametrize(("style", "rise"), [("rf-coaxial", 5), ("rf-coaxial-power", 50)])
+@each_case(("style", "rise"), [("rf-coaxial", 5), ("rf-coaxial-power", 50)])
 def test_radio_frequency_inserts_do_not_ask_for_the_current(style, rise, factors):
     inputs = {key: value for key, value in PLAIN.items() if key not in ("current", "wire_gauge")}
     found = factors(CONNECTOR, CONNECTOR.settle({**inputs, "style": style}))
@@ -39,7 +40,7 @@ def test_radio_frequency_inserts_do_not_ask_for_the_current(style, rise, factors
     assert found["πT"] == with_current["πT"] == warmer["πT"]
 
 
-@pytest.mark.parametrize("missing", ["current", "wire_gauge"])
+@each_case("missing", ["current", "wire_gauge"])
 def test_the_current_counts_or_there_is_no_answer(missing):
     """The 2020 tool left the temperature rise of the insert out."""
     with pytest.raises(ModelError, match="style circular needs 'current'"):
@@ -48,9 +49,7 @@ def test_the_current_counts_or_there_is_no_answer(missing):
         CONNECTOR.settle({**PLAIN, "wire_gauge": "26"})
 
 
-@pytest.mark.parametrize(
-    ("matings", "printed"), [(0, 1), (0.05, 1), (0.051, 1.5), (0.5, 1.5), (5, 2), (50, 3), (50.1, 4), (1e4, 4)]
-)
+@each_case(("matings", "printed"), [(0, 1), (0.05, 1), (0.051, 1.5), (0.5, 1.5), (5, 2), (50, 3), (50.1, 4), (1e4, 4)])
 def test_matings(matings, printed, factors):
     assert factors(CONNECTOR, CONNECTOR.settle({**PLAIN, "matings": f"{matings} /10^3 h"}))["πK"] == printed
 

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 
@@ -28,7 +29,7 @@ def test_worked_by_hand(diode):
     assert diode.rate(inputs) == pytest.approx(expected, rel=1e-14)
 
 
-@pytest.mark.parametrize(("watts", "expected"), [(0.1, 0.5), (10, 0.5), (10.001, 0.5006), (3000, 2.3601)])
+@each_case(("watts", "expected"), [(0.1, 0.5), (10, 0.5), (10.001, 0.5006), (3000, 2.3601)])
 def test_power_of_a_pin_diode(watts, expected, diode):
     assert diode.factors({**PLAIN, "rated_power": f"{watts} W"})["πR"] == pytest.approx(expected, abs=1e-4)
     assert diode.factors({**PLAIN, "kind": "gunn", "rated_power": f"{watts} W"})["πR"] == 1

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 from robophm.hazard.handbooks.mil_hdbk_217f.diode_low_frequency import KIND
@@ -42,7 +43,7 @@ def test_worked_by_hand(diode):
     assert diode.rate(inputs) == pytest.approx(expected, rel=1e-14)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("kind", "coefficient"),
     [
         ("general_purpose_analog", 3091),
@@ -72,7 +73,7 @@ def test_a_stack_counts_its_junctions(diode):
         diode.rate({**rest, "kind": "high_voltage_stack"})
 
 
-@pytest.mark.parametrize("kind", KIND)
+@each_case("kind", KIND)
 def test_voltage_counts_where_the_handbook_says_so(kind, diode):
     rest = {key: value for key, value in PLAIN.items() if "voltage" not in key}
     if kind.startswith(("transient", "current_reg", "voltage")):
@@ -82,7 +83,7 @@ def test_voltage_counts_where_the_handbook_says_so(kind, diode):
             diode.rate({**rest, "kind": kind})
 
 
-@pytest.mark.parametrize(("volts", "expected"), [(0.0, 0.054), (3.0, 0.054), (3.1, 0.31**2.43), (10.0, 1.0)])
+@each_case(("volts", "expected"), [(0.0, 0.054), (3.0, 0.054), (3.1, 0.31**2.43), (10.0, 1.0)])
 def test_voltage_stress(volts, expected, diode):
     assert diode.factors(PLAIN, voltage=volts)["πS"] == pytest.approx(expected, rel=1e-14)
 

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 from robophm.hazard.handbooks.mil_hdbk_217f._inductive import NEEDS
@@ -18,7 +19,7 @@ def test_worked_by_hand(section):
     assert section("coil").rate(inputs) == pytest.approx(expected, rel=1e-14)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("given", "rise"),
     [
         ({"temperature_rise": "10 K"}, 10),
@@ -32,15 +33,15 @@ def test_worked_by_hand(section):
         ({"rise_from": "input_power", "input_power": "30 W", "weight": "3 lb"}, 2.1 * 30 / 3**0.6766),
     ],
 )
-@pytest.mark.parametrize("name", ["coil", "transformer"])
+@each_case("name", ["coil", "transformer"])
 def test_the_ways_to_a_hot_spot(name, given, rise, section):
     plain = {"kind": {"coil": "fixed", "transformer": "audio"}[name], "temperature": "30 degC", "environment": "GB"}
     expected = math.exp(0.11 / 8.617e-5 * (1 / 298 - 1 / (30 + 1.1 * rise + 273)))
     assert section(name).factors({**plain, **given})["πT"] == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize("way", NEEDS)
-@pytest.mark.parametrize("name", ["coil", "transformer"])
+@each_case("way", NEEDS)
+@each_case("name", ["coil", "transformer"])
 def test_one_way_to_the_hot_spot_is_required(way, name, section):
     plain = {"kind": {"coil": "fixed", "transformer": "audio"}[name], "temperature": "30 degC", "environment": "GB"}
     if NEEDS[way]:

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 from robophm.hazard.handbooks import handbook_model
@@ -21,7 +22,7 @@ CHIP = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("model", "inputs", "expected"),
     [
         (LOGIC, {"family": "TTL", "gates": 100}, 0.0025), (LOGIC, {"family": "TTL", "gates": 101}, 0.005),
@@ -37,7 +38,7 @@ def test_complexity(model, inputs, expected, factors):
     assert factors(model, model.settle({**CHIP, **inputs}))["C1"] == expected
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("model", "inputs", "message"),
     [
         (LOGIC, {"family": "CMOS", "gates": 60001}, "gates 60001 is outside 1 … 60000"),
@@ -68,7 +69,7 @@ def test_temperature_factor_is_a_tenth_at_25_degrees(factors):
     assert factors(LINEAR, LINEAR.settle({**CHIP, "transistors": 1}))["πT"] == 0.1
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("years", "expected"),
     [(0, 2.0), (0.1, 2.0), (0.5, 0.01 * math.exp(5.175)), (1, 0.01 * math.exp(5.0)), (2, 1.0), (30, 1.0)],
 )

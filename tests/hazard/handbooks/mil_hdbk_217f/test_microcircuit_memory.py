@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 from robophm.hazard.handbooks import handbook_model
@@ -16,7 +17,7 @@ PLAIN = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("bits", "expected"),
     [(1, 0.0013), (16384, 0.0013), (16385, 0.0025), (65536, 0.0025), (262144, 0.005), (1048576, 0.01)],
 )
@@ -70,7 +71,7 @@ def test_cycling_is_scaled_by_life_and_nothing_without_cycles(factors):
         MEMORY.settle({**PLAIN, "programming_cycles": "500001 cycle"})
 
 
-@pytest.mark.parametrize("style", STYLE)
+@each_case("style", STYLE)
 def test_only_eeproms_ask_for_their_programming(style, factors):
     inputs = {key: value for key, value in PLAIN.items() if key != "programming_cycles"} | {"style": style}
     if "EEPROM" in style:

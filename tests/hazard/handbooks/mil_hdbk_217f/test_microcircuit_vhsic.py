@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 from robophm.hazard.handbooks import handbook_model
@@ -22,9 +23,7 @@ def test_by_hand():
     assert VHSIC.evaluate(VHSIC.settle(PLAIN)).value == pytest.approx(expected * 1e-6, rel=1e-14)
 
 
-@pytest.mark.parametrize(
-    ("volts", "printed"), [(0, 0.065), (1000, 0.053), (2000, 0.044), (4000, 0.029), (16000, 0.0027)]
-)
+@each_case(("volts", "printed"), [(0, 0.065), (1000, 0.053), (2000, 0.044), (4000, 0.029), (16000, 0.0027)])
 def test_electrical_overstress_at_the_lower_ends_of_the_printed_classes(volts, printed, factors):
     """The five values of the printed table, from memory."""
     inputs = VHSIC.settle({**PLAIN, "discharge_threshold": f"{volts} V"})

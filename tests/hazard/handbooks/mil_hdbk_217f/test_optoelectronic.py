@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 
@@ -20,9 +21,7 @@ LASER = {
 }
 
 
-@pytest.mark.parametrize(
-    ("said", "base"), [("led", 0.00023), ("LED", 0.00023), ("optocoupler", 0.013), ("IR LED", 0.0013)]
-)
+@each_case(("said", "base"), [("led", 0.00023), ("LED", 0.00023), ("optocoupler", 0.013), ("IR LED", 0.0013)])
 def test_worked_by_hand(said, base, section):
     """40 mW at 200 °C/W above 40 °C: TJ = 48 °C; plastic, GM."""
     inputs = {
@@ -36,7 +35,7 @@ def test_worked_by_hand(said, base, section):
     assert section("optoelectronic").rate(inputs) == pytest.approx(expected, rel=1e-13)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("kind", "logic_chip", "base"),
     [
         ("segment", "without", 0.00043 * 4),
@@ -70,7 +69,7 @@ def test_a_laser_worked_by_hand(section):
         section("laser_diode").rate({**LASER, "application": "pulsed"})
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("changed", "message"),
     [
         ({"power": "1 W"}, "the temperature of the junction 95 °C is more than the handbook's 75 °C: outside"),

@@ -1,6 +1,7 @@
 """MIL-HDBK-217F Notice 2 §18.1, panel meters: by hand."""
 
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 from robophm.hazard.handbooks import handbook_model
@@ -13,7 +14,7 @@ def test_by_hand():
     assert METER.evaluate(inputs).value == pytest.approx(0.09 * 1.7 * 2.8 * 3.4 * 25e-6, rel=1e-14)
 
 
-@pytest.mark.parametrize("environment", ["ML", "CL"])
+@each_case("environment", ["ML", "CL"])
 def test_launches_have_no_model(environment):
     with pytest.raises(ModelError, match=f"environment '{environment}' is not one of its choices"):
         METER.settle({"application": "ac", "function": "other", "environment": environment})

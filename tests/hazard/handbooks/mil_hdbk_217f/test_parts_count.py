@@ -1,6 +1,7 @@
 """MIL-HDBK-217F Notice 2 Appendix A: the published rates, and that the parts' own sections reproduce them."""
 
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 from robophm.hazard.handbooks import handbook_model
@@ -8,7 +9,7 @@ from robophm.hazard.handbooks import handbook_model
 COUNT = handbook_model("mil_hdbk_217f.parts_count")
 
 
-@pytest.mark.parametrize("part", ["relay-general", "switch-toggle", "circuit-breaker"])
+@each_case("part", ["relay-general", "switch-toggle", "circuit-breaker"])
 def test_what_is_not_published_has_no_answer(part):
     with pytest.raises(ModelError, match=f"no published rate for {part} in CL"):
         COUNT.settle({"part": part, "quality_factor": 1, "environment": "CL"})
@@ -19,8 +20,8 @@ def test_misprints_are_no_parts():
         COUNT.settle({"part": "connector-rectangular", "quality_factor": 1, "environment": "GB"})
 
 
-@pytest.mark.parametrize("environment", ["GB", "GF", "GM", "NS", "AUF", "SF"])
-@pytest.mark.parametrize(
+@each_case("environment", ["GB", "GF", "GM", "NS", "AUF", "SF"])
+@each_case(
     ("part", "model", "inputs"),
     [
         ("fuse", "fuse", {}),

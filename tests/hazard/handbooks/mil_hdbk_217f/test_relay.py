@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 from robophm.hazard.handbooks import handbook_model
@@ -34,7 +35,7 @@ def test_the_load_factor_is_an_exponential(factors):
     assert factors(RELAY, inputs)["πL"] == pytest.approx(54.6, rel=0.001)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("quality", "cycling", "printed"),
     [("M", 0, 0.1), ("MIL-SPEC", 0.5, 0.1), ("R", 1, 0.1), ("M", 10, 1.0), ("M", 1500, 150.0), ("commercial", 5, 1.0),
      ("commercial", 10, 1.0), ("commercial", 150, 15.0), ("commercial", 1000, 100.0), ("commercial", 1500, 225.0)],

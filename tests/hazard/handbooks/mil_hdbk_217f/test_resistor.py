@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 
@@ -18,7 +19,7 @@ def test_worked_by_hand(section):
     assert section("resistor").rate(inputs) == pytest.approx(expected, rel=1e-14)
 
 
-@pytest.mark.parametrize(("style", "ones"), [("RD", {"πT"}), ("RZ", {"πS"}), ("RTH", {"πT", "πS"})])
+@each_case(("style", "ones"), [("RD", {"πT"}), ("RZ", {"πS"}), ("RTH", {"πT", "πS"})])
 def test_factors_that_a_style_has_not(style, ones, section):
     found = section("resistor").factors({**PLAIN, "style": style, "temperature": "100 degC"})
     assert {symbol for symbol in ("πT", "πS", "πP") if found[symbol] == 1} == ones | {"πP"}  # 1 W
@@ -34,7 +35,7 @@ def test_overstress_is_refused_in_a_design_and_flagged_live(section):
     assert np.all(value > 0)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("said", "style"),
     [("chip resistor", "RM"), ("Chip", "RM"), ("NTC", "RTH"), ("trimpot", "RJ"), ("Metal Film", "RN"), ("RCR", "RCR")],
 )

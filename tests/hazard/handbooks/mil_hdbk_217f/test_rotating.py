@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 
@@ -23,7 +24,7 @@ def test_the_rate_is_per_hour_and_not_a_millionth_of_it(section):
     assert 1e-6 < value < 1e-4
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("share", "expected"),
     [
         *[(0.0001, 0.13), (0.1, 0.13), (0.1001, 0.15), (0.2, 0.15), (0.3, 0.23), (0.4, 0.31), (0.5, 0.41)],
@@ -63,7 +64,7 @@ def test_bearings_last_longest_near_35_degrees(section):
     assert 33 <= temperatures[np.argmax(lives)] <= 38
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("kind", "size", "expected"),
     [
         *[("synchro", 8, 2), ("synchro", 10, 1.5), ("synchro", 16, 1.5), ("synchro", 18, 1), ("synchro", 31, 1)],
@@ -74,7 +75,7 @@ def test_size_of_a_synchro(kind, size, expected, section):
     assert section("synchro").factors({**SYNCHRO, "kind": kind, "size": size})["πS"] == expected
 
 
-@pytest.mark.parametrize(("brushes", "expected"), [(0, 1.4), (1, 1.4), (2, 1.4), (3, 2.5), (4, 3.2)])
+@each_case(("brushes", "expected"), [(0, 1.4), (1, 1.4), (2, 1.4), (3, 2.5), (4, 3.2)])
 def test_brushes_of_a_synchro(brushes, expected, section):
     assert section("synchro").factors({**SYNCHRO, "brushes": brushes})["πN"] == expected
 
@@ -97,7 +98,7 @@ def test_a_synchro_worked_by_hand(section):
     assert np.all(np.isfinite(value))
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("celsius", "expected"), [(-20, 0.5), (50, 0.5), (51, 0.6), (60, 0.6), (61, 0.8), (80, 0.8), (81, 1), (100, 1)]
 )
 def test_temperature_of_a_meter(celsius, expected, section):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 from robophm.hazard.handbooks import handbook_model
@@ -33,7 +34,7 @@ def test_what_moves_with_its_board_does_not_wear():
     assert JOINTS.evaluate({**design, "temperature_swing": np.array([0.0, 20.0])}).value.tolist() == [0, 0]
 
 
-@pytest.mark.parametrize("environment", ["MF", "ML", "CL"])
+@each_case("environment", ["MF", "ML", "CL"])
 def test_missiles_and_cannons_have_no_model(environment):
     with pytest.raises(ModelError, match=f"environment '{environment}' is not one of its choices"):
         JOINTS.settle({**EXAMPLE, "environment": environment})

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 from robophm.hazard.handbooks import handbook_model
@@ -24,7 +25,7 @@ def test_worked_by_hand():
     assert SWITCH.evaluate(inputs).value == pytest.approx(0.1 * math.e * 4**0.33 * 2 * 18e-6, rel=1e-14)
 
 
-@pytest.mark.parametrize("style", STYLE)
+@each_case("style", STYLE)
 def test_contacts_count_for_toggles_and_pushbuttons_alone(style, factors):
     inputs = {**PLAIN, "style": style, "contact_form": "6PDT"}
     expected = 12**0.33 if style in ("toggle", "pushbutton") else 1

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 
@@ -19,7 +20,7 @@ def test_worked_by_hand(section):
     assert section("transistor_unijunction").rate(HEAT) == pytest.approx(unijunction, rel=1e-13)
 
 
-@pytest.mark.parametrize(("stress", "expected"), [(0.0, 0.1), (0.3, 0.1), (0.31, 0.31**1.9), (1.0, 1.0)])
+@each_case(("stress", "expected"), [(0.0, 0.1), (0.3, 0.1), (0.31, 0.31**1.9), (1.0, 1.0)])
 def test_voltage_stress(stress, expected, section):
     assert section("thyristor").factors(PLAIN, voltage=40 * stress)["πS"] == pytest.approx(expected, rel=1e-14)
 

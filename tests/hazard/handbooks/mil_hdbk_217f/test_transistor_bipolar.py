@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 
@@ -77,14 +78,12 @@ def test_worked_by_hand(transistor, low_noise, high_power):
         assert high_power.rate(inputs) == pytest.approx(expected, rel=1e-13)
 
 
-@pytest.mark.parametrize(("watts", "expected"), [(0.01, 0.43), (0.1, 0.43), (0.11, 0.11**0.37), (100, 100**0.37)])
+@each_case(("watts", "expected"), [(0.01, 0.43), (0.1, 0.43), (0.11, 0.11**0.37), (100, 100**0.37)])
 def test_rated_power(watts, expected, transistor):
     assert transistor.factors(PLAIN, rated_power=watts)["πR"] == pytest.approx(expected, rel=1e-14)
 
 
-@pytest.mark.parametrize(
-    ("duty", "expected"), [(0.0, 0.46), (0.01, 0.46), (0.02, 0.52), (0.3, 2.2), (0.31, 2.2), (1.0, 2.2)]
-)
+@each_case(("duty", "expected"), [(0.0, 0.46), (0.01, 0.46), (0.02, 0.52), (0.3, 2.2), (0.31, 2.2), (1.0, 2.2)])
 def test_pulses_count_from_1_to_30_percent(duty, expected, high_power):
     found = high_power.factors({**POWER, "application": "pulsed", "duty": duty})
     assert found["πA"] == pytest.approx(expected, rel=1e-14)
@@ -106,7 +105,7 @@ def test_continuous_wave_and_what_pulses_need(high_power):
         high_power.rate({**POWER, "application": "pulsed"})
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("changed", "message"),
     [
         ({"temperature": "99 degC"}, "the junction, at 99 °C, is colder than the handbook's 100 °C: outside"),

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 
@@ -55,8 +56,8 @@ def test_worked_by_hand(fet, gaas, high_frequency):
     assert gaas.rate(inputs) == pytest.approx(expected, rel=1e-13)
 
 
-@pytest.mark.parametrize("application", ["linear", "switching"])
-@pytest.mark.parametrize(
+@each_case("application", ["linear", "switching"])
+@each_case(
     ("watts", "expected"),
     [(0.1, None), (1.999, None), (2, 2), (4.99, 2), (5, 4), (49.9, 4), (50, 8), (249, 8), (250, 10), (1000, 10)],
 )
@@ -75,7 +76,7 @@ def test_the_mosfet_of_high_frequency_is_not_ten_times_worse(high_frequency):
 PLAIN_HIGH = {"kind": "MOSFET", "temperature": "25 degC", "power": "0 W", "environment": "GB"}
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("gigahertz", "watts", "expected"),
     [
         (1, 0.05, 0.052),
@@ -89,7 +90,7 @@ def test_the_two_bases_of_gallium_arsenide(gigahertz, watts, expected, gaas):
     assert found == pytest.approx(expected, rel=1e-14)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("gigahertz", "watts", "message"),
     [
         (3.9, 0.1, "0.1 W at 3.9 GHz: from 0.1 W on there is no model below 4 GHz: outside"),

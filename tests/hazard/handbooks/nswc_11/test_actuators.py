@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 
@@ -42,7 +43,7 @@ def test_against_contact_mechanics(part):
     assert "unverified" in part("actuator_axial_load").model.source.status
 
 
-@pytest.mark.parametrize(("name", "load"), [("actuator_side_load", 4.5), ("actuator_axial_load", 3.0)])
+@each_case(("name", "load"), [("actuator_side_load", 4.5), ("actuator_axial_load", 3.0)])
 def test_powers(name, load, part):
     actuator = part(name)
     settled = actuator.inputs()
@@ -51,7 +52,7 @@ def test_powers(name, load, part):
         assert twice / once == pytest.approx(2.0**power, rel=1e-12), key
 
 
-@pytest.mark.parametrize("name", ["actuator_side_load", "actuator_axial_load"])
+@each_case("name", ["actuator_side_load", "actuator_axial_load"])
 def test_both_materials_give_way(name, part):
     """The 2020 tool took the difference of the elastic terms, so that equal materials lasted for ever or not at all."""
     actuator = part(name)
@@ -62,7 +63,7 @@ def test_both_materials_give_way(name, part):
     assert stiffer == pytest.approx(swapped, rel=1e-12)
 
 
-@pytest.mark.parametrize(("celsius", "factor"), [(25.2, 1), (100, math.exp(1200 * (1 / 298.2 - 1 / 373)))])
+@each_case(("celsius", "factor"), [(25.2, 1), (100, math.exp(1200 * (1 / 298.2 - 1 / 373)))])
 def test_heat_is_of_kelvins(celsius, factor, part):
     """The 2020 tool divided by degrees Celsius."""
     assert part("actuator_axial_load").factors(temperature=float(celsius))["C_T"] == pytest.approx(factor, rel=1e-12)

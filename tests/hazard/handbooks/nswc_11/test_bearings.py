@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from tests.cases import each_case
 
 CALM = {
     "kind": "ball", "service": "uniform_steady", "cleanliness": "extreme_clean", "bore": "20 mm",
@@ -33,7 +34,7 @@ def test_the_load_is_counted_once(part):
     assert "C_Y" not in part("bearing").factors()
 
 
-@pytest.mark.parametrize("kind", ["ball", "roller"])
+@each_case("kind", ["ball", "roller"])
 def test_both_ways_are_one(kind, part):
     """A life that is rated at the load of operation, and one at another load."""
     of = {**CALM, "kind": kind}
@@ -56,12 +57,12 @@ def test_half_of_them_survive_by_default(part):
     assert note.startswith("R = 50 %; 90 % counts 3.5 times")
 
 
-@pytest.mark.parametrize(("celsius", "factor"), [(-20, 1), (182.9, 1), (183, 1), (366, 8)])
+@each_case(("celsius", "factor"), [(-20, 1), (182.9, 1), (183, 1), (366, 8)])
 def test_heat(celsius, factor, part):
     assert part("bearing").factors(temperature=float(celsius))["C_t"] == pytest.approx(factor, rel=1e-12)
 
 
-@pytest.mark.parametrize(("percent", "factor"), [(0, 1), (0.1, 3.3875), (0.8, 11.0), (0.9, 11.0), (5, 11.0)])
+@each_case(("percent", "factor"), [(0, 1), (0.1, 3.3875), (0.8, 11.0), (0.9, 11.0), (5, 11.0)])
 def test_water(percent, factor, part):
     assert part("bearing").factors(water=float(percent))["C_CW"] == pytest.approx(factor, rel=1e-12)
 

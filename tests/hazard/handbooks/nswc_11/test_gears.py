@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from tests.cases import each_case
 
 REFERENCE = {
     "speed": "100 rpm", "design_speed": "100 rpm", "misalignment": "0.006 rad", "specified_viscosity": "100 cSt",
@@ -36,7 +37,7 @@ def test_the_base_follows_the_speed_and_the_design_life(part):
     assert gear.rate(**REFERENCE, design_life="1e9 revolution") == pytest.approx(gear.rate(**REFERENCE) / 10, rel=1e-12)
 
 
-@pytest.mark.parametrize(("fahrenheit", "factor"), [(-40, 1), (160, 1), (222, 1.1), (470, 1.5)])
+@each_case(("fahrenheit", "factor"), [(-40, 1), (160, 1), (222, 1.1), (470, 1.5)])
 def test_heat(fahrenheit, factor, part):
     """The factor is (460 + T)/620 above 160 °F."""
     found = part("gear").factors(temperature=f"{fahrenheit} degF")["C_GT"]

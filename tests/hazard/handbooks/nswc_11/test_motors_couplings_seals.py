@@ -1,6 +1,7 @@
 """NSWC-11 chapters 3, 14 and 17 by hand, and at their reference points."""
 
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 from robophm.core.units import quantity
@@ -16,7 +17,7 @@ def test_a_dc_motor_by_hand(part):
     assert found == pytest.approx(22.7, abs=0.05)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("kind", "base", "brushes"),
     [("dc", 2.17, 2), ("bldc", 1.75, 0), ("ac_single_phase", 6.9, 0), ("three phase", 10, 0)],
 )
@@ -70,7 +71,7 @@ def test_a_seal_at_its_reference(part):
     assert part("static_seal").rate(**SEAL) * 1e6 == pytest.approx(2.4 * 1.42 * 0.25 * 0.5, rel=1e-9)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("given", "symbol", "factor"),
     [
         ({"pressure": "500 psi"}, "C_P", 0.25),
@@ -93,7 +94,7 @@ def test_factors_of_a_seal_by_hand(given, symbol, factor, part):
     assert part("static_seal").factors(**{**SEAL, **given})[symbol] == pytest.approx(factor, rel=1e-9)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("key", "symbol", "at"),
     [
         ("pressure", "C_P", quantity("1500 psi", "MPa")),

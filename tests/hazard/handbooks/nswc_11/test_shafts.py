@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 from robophm.hazard.handbooks.nswc_11.shaft import GROOVE, groove_factor
@@ -44,14 +45,14 @@ def test_a_step_adds_its_bending_and_its_concentration(part):
     assert whole == pytest.approx(1e-8 * found["C_DY"] * (found["C_SC,R"] + 1), rel=1e-12)
 
 
-@pytest.mark.parametrize("wrong", [{"step_diameter": "0.4 inch"}, {"fillet_radius": "0.6 inch"}])
+@each_case("wrong", [{"step_diameter": "0.4 inch"}, {"fillet_radius": "0.6 inch"}])
 def test_a_step_goes_up_by_a_fillet(wrong, part):
     stepped = {**BY_HAND, "step_diameter": "0.75 inch", "step_length": "4 inch", "fillet_radius": "0.1 inch"}
     with pytest.raises(ModelError, match=r"a step from .* mm up to .* mm with a fillet of .* mm is none: outside"):
         part("shaft").inputs(**{**stepped, **wrong})
 
 
-@pytest.mark.parametrize("missing", ["step_length", "fillet_radius", "groove_radius"])
+@each_case("missing", ["step_length", "fillet_radius", "groove_radius"])
 def test_half_a_step_or_groove_is_none(missing, part):
     with pytest.raises(ModelError, match=f"nswc_11.shaft: a (step|groove) needs .*'{missing}'"):
         part("shaft").inputs(**{missing: None})
@@ -90,7 +91,7 @@ def test_where_the_table_is_blank_there_is_no_answer(part):
         part("shaft").inputs(groove_depth="0.6 mm", groove_radius="0.1 mm", diameter="12 mm")
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("finish", "kpsi", "factor"),
     [
         ("polished", 150, 1), ("ground", 150, 0.89), ("hot_rolled", 100, 0.94 - 0.46 + 0.0837),

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from tests.cases import each_case
 
 from robophm.core.errors import ModelError
 from robophm.hazard.handbooks.nswc_11._spring import MATERIAL, STRENGTH
@@ -32,16 +33,14 @@ POWERS = {
 }
 
 
-@pytest.mark.parametrize("name", REFERENCE)
+@each_case("name", REFERENCE)
 def test_the_base_rate_at_the_reference(name, part):
     base, inputs = REFERENCE[name]
     # K_W is 1.219 in print, at r = 0.58/0.085; hence C_K is 1 to a thousandth
     assert part(name).rate(**inputs) * 1e6 == pytest.approx(base, rel=1e-3 if name == "helical_spring" else 1e-9)
 
 
-@pytest.mark.parametrize(
-    ("name", "key", "power"), [(n, k, p) for n, powers in POWERS.items() for k, p in powers.items()]
-)
+@each_case(("name", "key", "power"), [(n, k, p) for n, powers in POWERS.items() for k, p in powers.items()])
 def test_powers(name, key, power, part):
     """Twice an input is 2^power times the rate."""
     spring = part(name)
@@ -50,7 +49,7 @@ def test_powers(name, key, power, part):
     assert twice / once == pytest.approx(2.0**power, rel=1e-12)
 
 
-@pytest.mark.parametrize("name", POWERS)
+@each_case("name", POWERS)
 def test_strength_and_cycles_count_in_every_spring(name, part):
     spring = part(name)
     rate = spring.rate(tensile_strength="1000 MPa", cycle_rate="20 cycle/min")
@@ -61,7 +60,7 @@ def test_strength_and_cycles_count_in_every_spring(name, part):
     assert spring.rate(corrosion=2, manufacture=1.5) == pytest.approx(3 * spring.rate(), rel=1e-12)
 
 
-@pytest.mark.parametrize(("index", "wahl"), [(2, 2.058), (4, 1.404), (6.82, 1.219), (10, 1.145), (20, 1.070)])
+@each_case(("index", "wahl"), [(2, 2.058), (4, 1.404), (6.82, 1.219), (10, 1.145), (20, 1.070)])
 def test_wahls_factor(index, wahl, part):
     """Wahl's factor as tabled in machine design; the 2020 tool had 4r + 1 for 4r − 4."""
     found = part("helical_spring").factors(wire_diameter=1.0, coil_diameter=float(index))["C_K"]
@@ -79,7 +78,7 @@ def test_a_coil_no_wider_than_its_wire_is_no_spring(part):
     assert np.all(np.isfinite(value))
 
 
-@pytest.mark.parametrize("ratio", [1.2, 1.5, 2.0, 3.0, 5.0])
+@each_case("ratio", [1.2, 1.5, 2.0, 3.0, 5.0])
 def test_belleville_is_the_product_of_almen_and_laszlos_constants(ratio, part):
     log = math.log(ratio)
     M = 6 / (math.pi * log) * ((ratio - 1) / ratio) ** 2
@@ -115,7 +114,7 @@ def test_what_no_table_has_is_stated(part):
     assert by_table == pytest.approx(by_number, rel=1e-12)
 
 
-@pytest.mark.parametrize("material", MATERIAL)
+@each_case("material", MATERIAL)
 def test_printed_factors_follow_from_the_moduli(material, part):
     """But for those whose printed value is known not to; phosphor bronze and beryllium copper are one material each."""
     rigid = part("helical_spring").factors(material=material, shear_modulus=None)["C_G"]
@@ -126,7 +125,7 @@ def test_printed_factors_follow_from_the_moduli(material, part):
         assert elastic == pytest.approx(MATERIAL.cell(material, "C_E printed"), abs=0.0061)
 
 
-@pytest.mark.parametrize("alloy", STRENGTH)
+@each_case("alloy", STRENGTH)
 def test_printed_factors_follow_from_the_strengths(alloy, part):
     found = part("helical_spring").factors(alloy=alloy, tensile_strength=None)["C_Y"]
     assert found == pytest.approx(STRENGTH.cell(alloy, "C_Y printed"), abs=0.0061)
