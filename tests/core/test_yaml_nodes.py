@@ -195,10 +195,15 @@ LONG = 18_000_000
     [
         ("a: !x 1\n" + "# word\n" * (LONG // 7), r"slow:\d+: has more than 2,000,000 characters .* in line 1$"),
         ("a: 1\n" * 2_000 + "b: !x " + "word " * (LONG // 5) + "\n", "characters .* first is in line 2001$"),
-        ("a: &a 1\nb: [" + "*a," * (LONG // 3) + "*a]\n", "slow:2: unfolds to more than 1,000,000 values"),
+        ("a: &a 1\nb: [" + "*a," * (LONG // 3) + "*a]\n", "slow:2: unfolds to more than 300,000 values"),
+        ("- 1234567890123456\n" * (LONG // 19), "slow:300000: unfolds to more than 300,000 values"),
+        pytest.param("".join(f"k{i}: 123456789\n" for i in range(LONG // 18)), "slow:300000: unfolds to more than",
+                     marks=pytest.mark.full),
+        pytest.param("a: !x 1\nb:\n" + "- 1234567890123456\n" * (LONG // 19), "than 80,000 keys and values .* line 1$",
+                     marks=pytest.mark.full),
     ],
-    ids=["remarks", "words", "aliases"],
-)
+    ids=["remarks", "words", "aliases", "items", "keys", "items read slowly"],
+)  # fmt: skip
 def test_a_long_text_is_refused_in_seconds(text, says):
     """By ruamel.yaml alone these took 10 to 30 s; a second each by processor time, on a machine that does no more."""
     begun = time.process_time()

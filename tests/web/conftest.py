@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +12,8 @@ from typing import Any
 import httpx
 import pytest
 
+from robophm.cli.app import app
+from robophm.web import serving as serving_room
 from robophm.web.service import Service, Settings
 from robophm.web.serving import serve
 
@@ -104,3 +106,28 @@ def shared_small(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     design.write_text(SMALL)
     with serving(design, seed=1) as served:
         yield served
+
+
+Printed = Callable[..., tuple[list[str], str]]
+
+
+@pytest.fixture
+def printed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Printed:
+    """What ``robophm serve`` prints until it is ready, and what it warns of; then it ends."""
+    real = serving_room.serve
+
+    def until_ready(settings: Settings, port: int, ready: Callable[..., None]) -> None:
+        def ended(address: str, service: Service, stop: Callable[[], None]) -> None:
+            ready(address, service, stop)
+            stop()
+
+        real(settings, port, ended)
+
+    def said(folder: Path, *words: str) -> tuple[list[str], str]:
+        monkeypatch.setattr(serving_room, "serve", until_ready)
+        monkeypatch.chdir(folder)
+        app(["serve", *words, "--port", "0"], standalone_mode=False)
+        out, warned = capsys.readouterr()
+        return out.splitlines(), warned
+
+    return said

@@ -77,16 +77,10 @@ def test_ctrl_c_before_it_serves_ends_it_in_order_too(tmp_path):
         assert child.stderr.read() == ""
 
 
-@pytest.mark.skipif(os.name == "nt", reason="needs signals")
-def test_without_a_design_a_new_robot_of_this_folder_is_served(tmp_path):
-    with subprocess.Popen(
-        [sys.executable, "-m", "robophm", "serve", "--port", "0"], cwd=tmp_path, text=True,
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-    ) as child:  # fmt: skip
-        assert child.stdout.readline().startswith("robot.yaml is served at http://127.0.0.1:")
-        child.send_signal(signal.SIGINT)
-        assert child.wait(60) == 0
-        assert "the page begins a new robot" in child.stderr.read()
+def test_without_a_design_a_new_robot_of_this_folder_is_served(tmp_path, printed):
+    lines, warned = printed(tmp_path)
+    assert lines[0].startswith("robot.yaml is served at http://127.0.0.1:")
+    assert "the page begins a new robot" in warned
     assert not (tmp_path / "robot.yaml").exists()
 
 

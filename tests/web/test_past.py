@@ -7,13 +7,14 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from robophm.core.errors import StoreError
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import load
 from robophm.health.ledger import Ledger
@@ -24,7 +25,7 @@ from robophm.transports.recordings.opening import open_source
 from robophm.web.service import Service
 from robophm.web.sources import Choice
 
-from .conftest import Served, serving
+from .conftest import Printed, Served, serving
 
 START = 1_795_000_020 * SECOND
 MINUTES = 0.06
@@ -202,32 +203,19 @@ def _settled(robot: Any, ledger: Ledger, name: str) -> Any:
     return getattr(ExposureIntegrator(robot).settled(ledger), name).value
 
 
-def said_at_start(design: Path, *words: str, before: Sequence[str] = ()) -> tuple[list[str], str]:
-    """The two lines that a service prints when it is ready, and what it warns of."""
-    with subprocess.Popen(
-        [*before, sys.executable, "-m", "robophm", "serve", design.name, "--port", "0", *words],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=design.parent,
-    ) as child:  # fmt: skip
-        assert child.stdout
-        assert child.stderr
-        lines = [child.stdout.readline().strip() for _ in range(2)]
-        child.terminate()
-        return lines, child.stderr.read()
-
-
-def test_where_the_past_is_kept_is_said(cart: Path) -> None:
-    assert said_at_start(cart)[0][1] == "The robot's past is kept in cart.yaml.past"
-    assert said_at_start(cart, "--store", "sqlite:other.db")[0][1] == "The robot's past is kept in other.db"
-    assert said_at_start(cart, "--no-store")[0][1] == "The robot's past is kept only until then"
+def test_where_the_past_is_kept_is_said(cart: Path, printed: Printed) -> None:
+    assert printed(cart.parent, cart.name)[0][1] == "The robot's past is kept in cart.yaml.past"
+    assert printed(cart.parent, cart.name, "--store", "sqlite:other.db")[0][1] == "The robot's past is kept in other.db"
+    assert printed(cart.parent, cart.name, "--no-store")[0][1] == "The robot's past is kept only until then"
     assert sorted(path.name for path in cart.parent.iterdir()) == ["cart.yaml", "cart.yaml.access", "cart.yaml.edits"]
 
 
-def test_a_store_of_another_version_is_refused_in_words(cart: Path) -> None:
+def test_a_store_of_another_version_is_refused_in_words(cart: Path, printed: Printed) -> None:
     with SqliteStore(f"{cart}.past") as store:
         store._base.execute("PRAGMA user_version = 99")
-    lines, words = said_at_start(cart)
-    assert lines == ["", ""]
-    assert "a robophm store of version 99, of a newer robophm; this one knows up to version 4" in words
+    said = r"a robophm store of version 99, of a newer robophm; this one knows up to version 4"
+    with pytest.raises(StoreError, match=said):
+        printed(cart.parent, cart.name)
 
 
 MAY_NOT_WRITE = ["setpriv", *(f"--{which}=-dac_override,-dac_read_search" for which in ("bounding-set", "inh-caps"))]
@@ -237,7 +225,15 @@ MAY_NOT_WRITE = ["setpriv", *(f"--{which}=-dac_override,-dac_read_search" for wh
 @pytest.mark.skipif(not shutil.which("setpriv"), reason="needs setpriv, of util-linux")
 def test_in_a_folder_that_cannot_be_written_it_runs_on_and_says_so(cart: Path) -> None:
     cart.parent.chmod(0o555)
-    lines, words = said_at_start(cart, before=MAY_NOT_WRITE if os.geteuid() == 0 else ())
+    with subprocess.Popen(
+        [*(MAY_NOT_WRITE if os.geteuid() == 0 else ()), sys.executable, "-m", "robophm", "serve", cart.name,
+         "--port", "0"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=cart.parent,
+    ) as child:  # fmt: skip
+        assert child.stdout
+        assert child.stderr
+        lines = [child.stdout.readline().strip() for _ in range(2)]
+        child.terminate()
+        words = child.stderr.read()
     assert "is served at http" in lines[0]
     assert lines[1] == "The robot's past is kept only until then"
     assert "cart.yaml.past: cannot be written; the robot's past is kept only until this ends" in words

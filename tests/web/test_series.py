@@ -3,6 +3,7 @@
 import math
 
 from robophm.core.signal import CLOCK, SECOND, Sample
+from robophm.web import series
 from robophm.web.series import MOST_GAPS, Board
 
 
@@ -46,3 +47,22 @@ def test_silences_are_kept_in_bounded_number():
     gaps = board.gaps("/t.x")
     assert len(gaps) == MOST_GAPS
     assert gaps[-1] == (10.0 * (3 * MOST_GAPS - 2) + 5, 10.0 * (3 * MOST_GAPS - 1))
+
+
+def test_a_series_keeps_the_latest_points_as_far_as_all_together_have_room(monkeypatch):
+    """Beside plain lists: one series comes first to its end, and two more grow beside each other in what is left."""
+    monkeypatch.setattr(series, "FIRST", 4)
+    monkeypatch.setattr(series, "KEPT", 32)
+    monkeypatch.setattr(series, "KEPT_IN_ALL", 28 + 8)
+    board, said = Board(), {}
+    for i in range(100):
+        for name in ("first", "second", "third") if i >= 32 else ("first",):
+            board.add(name, i * SECOND, float(i))
+            said.setdefault(name, []).append(float(i))
+            found = board.get(name)
+            assert board.last([name]) == {name: (float(i), float(i))}
+            times, values = found.since(0)
+            assert [*times] == [*values] == said[name][-len(values) :]
+            assert len(values) == found.count if found.count <= found.kept else len(values) >= found.kept * 15 // 16
+            assert [*found.since(max(0, found.count - 2)).values] == said[name][-2:]
+    assert [board.get(name).kept for name in said] == [32, 8, 8]

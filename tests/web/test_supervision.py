@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from robophm.core.errors import SourceError
+from robophm.monitoring import live_loop
 from robophm.web import service as of_service
 
 from ..transports.listener import within
@@ -96,7 +97,9 @@ def test_a_disk_that_is_full_is_said_while_it_is(
     small_disk: Path,
     tmp_path: Path,
     caplog: pytest.LogCaptureFixture,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    monkeypatch.setattr(live_loop, "SAVE_EVERY", 0.2)
     design = tmp_path / "robot.yaml"
     design.write_bytes(OTA.read_bytes())
     store, journal, ballast = small_disk / "past.db", small_disk / "run.journal", small_disk / "ballast"

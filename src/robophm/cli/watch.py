@@ -5,13 +5,13 @@ from __future__ import annotations
 import gc
 import signal
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
-from threading import Timer
 from types import FrameType
 from typing import Annotated
 
@@ -19,7 +19,7 @@ import typer
 from rich.console import Console
 from rich.live import Live
 
-from robophm.cli import BREACHED
+from robophm.cli import BREACHED, OK
 from robophm.cli.shared.fleet import Fleet, fleet_address, sender
 from robophm.cli.shared.health_output import print_report
 from robophm.cli.shared.live_table import LiveTable
@@ -29,7 +29,7 @@ from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.task_words import stated_speed
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.counted_notes import FreshNotes
-from robophm.core.errors import RobophmError
+from robophm.core.errors import RobophmError, SourceError
 from robophm.core.json_values import plain
 from robophm.core.supervisor import Supervisor
 from robophm.design.file import load
@@ -145,16 +145,23 @@ def command(
 def _ended_by_signals() -> Iterator[list[Callable[[], None]]]:
     """Take SIGINT and SIGTERM as the wish to end what the list says, until all is let go of: a second time the next.
 
-    Who supervises does not want to wait either: after SIGTERM the second comes by itself.
+    Who supervises does not want to wait either: after SIGTERM the second comes by itself. That a source was closed so
+    before it was listened to is no error.
     """
     ends: list[Callable[[], None]] = []
-    letting_go = Timer(QUICK_END, lambda: ends[-1]())
+    closed = threading.Event()
+
+    def last() -> None:
+        closed.set()
+        ends[-1]()
+
+    letting_go = threading.Timer(QUICK_END, last)
     letting_go.daemon = True
 
     def stop(number: int, frame: FrameType | None) -> None:
         if not ends:
-            raise KeyboardInterrupt
-        (ends.pop(0) if len(ends) > 1 else ends[0])()
+            raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(OK)
+        (ends.pop(0) if len(ends) > 1 else last)()
         if number == signal.SIGTERM and not letting_go.is_alive() and not letting_go.finished.is_set():
             letting_go.start()
 
@@ -163,7 +170,12 @@ def _ended_by_signals() -> Iterator[list[Callable[[], None]]]:
             signal.signal(number, stop)
             stack.callback(signal.signal, number, signal.SIG_IGN)
         stack.callback(letting_go.cancel)
-        yield ends
+        try:
+            yield ends
+        except SourceError:
+            if not closed.is_set():
+                raise
+            warn("ended before the robot was watched")
 
 
 def run(design: Path, asked: Watched) -> bool:
@@ -178,6 +190,7 @@ def run(design: Path, asked: Watched) -> bool:
     for warning in robot.warnings:
         warn(warning)
     supervisor = Supervisor()
+    health: HealthReport | None = None
     with Notices(asked.notify) as notices, ExitStack() as stack:
         ends = stack.enter_context(_ended_by_signals())
         opened = open_live(asked.via, period=asked.period)
@@ -210,7 +223,7 @@ def run(design: Path, asked: Watched) -> bool:
             sends.close()
         health = monitor.report(alarms=True)
         _say_at_end(health, source.notes + notices.notes, asked)
-    return bool(health.breaches)
+    return bool(health and health.breaches)
 
 
 def _to_ros(robot: Robot, opened: RunningRobot, asked: Watched) -> tuple[HealthTopics | None, TaskAssessor | None]:

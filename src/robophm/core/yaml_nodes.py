@@ -14,10 +14,13 @@ from contextlib import contextmanager
 from functools import cache, lru_cache
 from typing import Any
 
-MAX_VALUES = 1_000_000
-"""The most values of a file with its aliases followed: a small file can otherwise unfold to billions."""
+MAX_VALUES = 300_000
+"""The most values of a file with its aliases followed: a small file can otherwise unfold to billions.
 
-MAX_SLOW_NODES = 200_000
+A hundred thousand parts of one rate have two thirds of it. Each takes up to 15 µs.
+"""
+
+MAX_SLOW_NODES = 80_000
 """The most keys and values of a text that ruamel.yaml alone can read: each takes it 25 µs and a kilobyte."""
 
 MAX_SLOW_CHARACTERS = 2_000_000

@@ -9,7 +9,7 @@ from contextlib import ExitStack, nullcontext, suppress
 from dataclasses import dataclass
 
 from robophm.core.errors import SourceError, StoreError
-from robophm.core.freed_memory import EVERY, give_back
+from robophm.core.freed_memory import EVERY, give_back, map_large_blocks
 from robophm.core.signal import CLOCK, REORDERED, SECOND, Sample
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
@@ -133,6 +133,7 @@ class _Watch:
     def run(self) -> Monitor:
         """Take in what an earlier run could not save, then listen until the source is closed."""
         monitor = self._monitor
+        map_large_blocks()
         if self.store and self.journal and (kept_to := self.store.progress(self.robot.identity, self._key).position):
             for sample in self.journal.since(kept_to):
                 monitor.observe(sample)

@@ -7,7 +7,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Collection, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -39,6 +39,7 @@ from robophm.transports.recordings.paced import Paced
 from robophm.transports.signals.report_sink import JudgedTask
 from robophm.transports.signals.source import LiveItem, LiveSource, SignalSource, TopicInfo
 from robophm.transports.tasks.listener import known_topics
+from robophm.web.opened_store import OpenedStore
 from robophm.web.series import Board
 from robophm.web.sources import Choice, begins
 
@@ -163,6 +164,7 @@ class Monitoring:
         self._for_fleet = for_fleet
         self._notices = notices or Notices()
         self._store, self._journal, self._period, self._own = store, journal, period, own
+        self._opened = OpenedStore(store) if store else None
         self._played: dict[str, MemoryStore] = {}
         """Pasts that are in no store, by the name of their source: of recordings until their end."""
         self._shown: MemoryStore | None = None
@@ -222,6 +224,11 @@ class Monitoring:
                 source.close()
                 thread.join(timeout=LONGEST_END)
 
+    def close(self) -> None:
+        """Let go of the store, once nobody asks any more."""
+        if self._opened:
+            self._opened.close()
+
     def last_ledger(self, robot: Robot) -> Ledger:
         """Return a robot's ledger as far as is known: of the latest run, else of the store, else an empty one.
 
@@ -259,7 +266,8 @@ class Monitoring:
     @contextmanager
     def alarm_log(self, robot: Robot) -> Iterator[AlarmLog]:
         """The log of a robot's alarms: of the latest run, else of the store, else an empty one. Raises StoreError."""
-        with self.history() as store:
+        often = nullcontext(self._shown) if self._shown or not self._opened else self._opened.opened()
+        with often as store:
             yield store.alarm_log(robot.identity) if store else AlarmsInMemory()
 
     def note_service(self, robot: Robot, said: ServiceNote, key: str) -> list[Service]:

@@ -16,7 +16,13 @@ from robophm.core.signal import CLOCK, SECOND, Sample
 Floats = NDArray[np.float64]
 
 KEPT = 2**16
-"""Points of one series: 22 minutes of 50 a second; older ones make room."""
+"""The most points of one series: 22 minutes of 50 a second, nine hours of two; older ones make room."""
+
+FIRST = 2**10
+"""Points that a series has room for when it begins."""
+
+KEPT_IN_ALL = 2**22
+"""The most points that the series of a board grow to together (64 MiB); what has no room to grow keeps fewer."""
 
 MOST_SERIES = 500
 
@@ -35,30 +41,48 @@ class Points(NamedTuple):
 
 
 class Series:
-    """One series in a ring of KEPT points: one writer, any number of readers."""
+    """One series in a ring of points: one writer, any number of readers."""
 
-    def __init__(self, kept: int = KEPT) -> None:
-        self.times = np.empty(kept)
-        self.values = np.empty(kept)
+    def __init__(self, kept: int) -> None:
+        self._ring = Points(np.empty(kept), np.empty(kept))
         self.count = 0
         """Number of all points that ever came."""
 
+    @property
+    def kept(self) -> int:
+        """Return the number of points that there is room for."""
+        return len(self._ring.times)
+
+    @property
+    def last(self) -> tuple[float, float]:
+        """Return the time and value of the latest point; there must be one."""
+        at = self.count - 1
+        times, values = self._ring
+        return float(times[at % len(times)]), float(values[at % len(times)])
+
     def add(self, time: float, value: float) -> None:
-        """Add a point; beyond KEPT points the oldest makes room."""
-        at = self.count % len(self.times)
-        self.times[at], self.values[at] = time, value
+        """Add a point; where there is no room the oldest makes it."""
+        times, values = self._ring
+        at = self.count % len(times)
+        times[at], values[at] = time, value
         self.count += 1
+
+    def double(self) -> None:
+        """Make room for twice as many; only when it has just become full, for then each point is at its own number."""
+        times, values = (np.concatenate([one, np.empty_like(one)]) for one in self._ring)
+        self._ring = Points(times, values)
 
     def since(self, count: int, last: int | None = None) -> Points:
         """Return the points that came after the first ``count``, up to the ``last``, as far as they are still kept."""
-        kept = len(self.times)
         last = self.count if last is None else last
+        times, values = self._ring  # asked for after the count: a larger one has all that a smaller one had
+        kept = len(times)
         first = max(count, last - kept + kept // 16)  # what a writer may be at just now is left out
         first = count if last <= kept else first
         if first >= last:
             return Points(np.empty(0), np.empty(0))
         rows = np.arange(first, last) % kept
-        return Points(self.times[rows], self.values[rows])
+        return Points(times[rows], values[rows])
 
     def between(self, start: float, end: float, pixels: int) -> Points:
         """Return the points in a span of time; where there are many, the lowest and highest in each pixel's width."""
@@ -122,6 +146,8 @@ class Board:
         self.now = -math.inf
         """The newest time that a sample, of a clock too, told of [s since the epoch]."""
         self._lock = threading.Lock()
+        self._room = KEPT_IN_ALL
+        """Points by which series may yet grow."""
         self.refused = 0
 
     def hear(self, sample: Sample) -> None:
@@ -147,7 +173,10 @@ class Board:
                 if len(self._series) >= MOST_SERIES:
                     self.refused += 1
                     return
-                series = self._series.setdefault(name, Series())
+                series = self._series.setdefault(name, Series(FIRST))
+        if series.count == series.kept < KEPT and series.kept <= self._room:
+            self._room -= series.kept
+            series.double()
         series.add(time / SECOND, value)
 
     def add_all(self, time: int, values: Mapping[str, float]) -> None:
@@ -170,6 +199,5 @@ class Board:
         for name in names:
             series = self._series.get(name)
             if series and series.count:
-                at = (series.count - 1) % len(series.times)
-                found[name] = (float(series.times[at]), float(series.values[at]))
+                found[name] = series.last
         return found

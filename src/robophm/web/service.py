@@ -245,6 +245,7 @@ class Service:
         for thread in self._threads:
             thread.join(timeout=LONGEST_END)
         self.monitoring.stop(within=QUICK_END)  # one of them may just have begun to watch
+        self.monitoring.close()
         self.notices.close()
         self.jobs.close()
         self.workspace.close()

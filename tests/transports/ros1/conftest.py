@@ -7,7 +7,9 @@ import signal
 import socket
 import subprocess
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
+from xmlrpc.client import ServerProxy
 
 import pytest
 
@@ -78,15 +80,21 @@ class System:
         ).stdout
 
     def start_master(self) -> None:
-        self.master = self.start("/usr/bin/roscore", "-p", str(self.port))
-        # the last thing that roscore does is start rosout
-        within(30, lambda: "/rosout" in self._topics())
+        """Start the master alone, which is there in a tenth of the time of all that roscore starts."""
+        self.master = self.start("/usr/bin/rosmaster", "--core", "-p", str(self.port))
+        within(30, lambda: self._subscribed() is not None)
 
-    def _topics(self) -> str:
-        found = subprocess.run(
-            ["/usr/bin/rostopic", "list"], env=self.environment, capture_output=True, text=True, timeout=30, check=False
-        )
-        return found.stdout
+    def start_roscore(self) -> None:
+        """Start what people start: the master, and rosout, which comes last."""
+        self.master = self.start("/usr/bin/roscore", "-p", str(self.port))
+        within(30, lambda: "/rosout" in (self._subscribed() or ()))
+
+    def _subscribed(self) -> list[str] | None:
+        """The topics that somebody subscribes; None where no master answers."""
+        with suppress(OSError), ServerProxy(self.uri) as master:
+            _, _, (_, subscribed, _) = master.getSystemState("/test")  # type: ignore[misc]
+            return [topic for topic, _ in subscribed]  # type: ignore[misc, union-attr]
+        return None
 
     def stop(self, process: subprocess.Popen[str] | None, how: signal.Signals = signal.SIGKILL) -> None:
         """End a process and all that it has started."""
@@ -107,7 +115,7 @@ class System:
             self._started.remove(process)
 
     def stop_master(self) -> None:
-        """SIGTERM lets roscore end the rosmaster and rosout that it has started in sessions of their own."""
+        """SIGTERM lets roscore end what it has started in sessions of their own."""
         self.stop(self.master, signal.SIGTERM)
         self.master = None
 
@@ -133,7 +141,7 @@ def system(roscore: str, tmp_path: Path) -> Iterator[System]:
 def _running(roscore: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[System]:
     system = System(tmp_path_factory.mktemp("ros"))
     try:
-        system.start_master()
+        system.start_roscore()
         yield system
     finally:
         system.close()

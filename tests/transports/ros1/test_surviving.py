@@ -27,7 +27,6 @@ while True:
 
 
 def test_a_master_that_is_started_anew(system: System) -> None:
-    """Ten seconds, for roscore takes three to start, twice."""
     system.start_master()
     system.talk(COUNTING)
     with Ros1(system.uri) as source, Node("/robophm_health", system.uri) as node:
@@ -264,24 +263,24 @@ def test_a_gap_in_the_sequence_is_reported(ros: System, live: Ros1) -> None:
     assert live.notes["sequence gap on /gap"] == 3 + 11
 
 
-def test_twenty_thousand_messages_on_two_hundred_topics(ros: System, live: Ros1) -> None:
+def test_five_thousand_messages_on_a_hundred_topics(ros: System, live: Ros1) -> None:
     """As fast as rospy sends them: all arrive, each topic's in order."""
-    topics = 200
+    topics, each = 100, 50
     ros.talk(f"""
 rospy.init_node("many", anonymous=True)
 outs = [rospy.Publisher("/many/t%d" % n, Temperature, queue_size=None) for n in range({topics})]
 say("ready")
 for out in outs: heard(out)
-for number in range(100):
+for number in range({each}):
     for out in outs: out.publish(Temperature(temperature=number))
 rospy.spin()
 """)
     names = [f"/many/t{n}.temperature" for n in range(topics)]
     heard = Heard(live, *names)
-    within(30, lambda: sum(s.signal != "clock" for s in list(heard.samples)) == 100 * topics)
+    within(30, lambda: sum(s.signal != "clock" for s in list(heard.samples)) == each * topics)
     numbers: dict[str, list[float]] = {name: [] for name in names}
     for sample in heard.samples:
         if sample.signal != "clock":
             numbers[sample.signal].append(sample.value)
-    assert all(of == list(range(100)) for of in numbers.values())
+    assert all(of == list(range(each)) for of in numbers.values())
     assert not any(note.startswith(("queue full", "sequence gap")) for note in live.notes)
