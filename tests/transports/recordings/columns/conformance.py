@@ -69,7 +69,7 @@ FORMER = {
     "OneMessage": Content([SCHEMA], [CHANNEL], [(10, 2, 1)], padded_end=True, checksums=False),
     "TenMessagesOneAttachment": Content([SCHEMA], [CHANNEL], TEN, _ATTACHMENT, ahead=5, padded_end=True),
 }
-"""What the suite held once: in February and in December 2022, the latter with an attachment in the midst of messages."""
+"""What the suite held once: in February and, with an attachment amidst messages, in December 2022."""
 
 
 def variants(contents: Mapping[str, Content] = CONTENTS) -> Iterator[tuple[str, Content, bytes]]:

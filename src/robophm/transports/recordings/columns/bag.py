@@ -67,12 +67,9 @@ class BagFile(ChunkedFile):
         super().__init__(path, notes)
         if self.content[: len(MAGIC)].tobytes() != MAGIC:
             first = self.content[: len(MAGIC)].tobytes()
-            older = first[len(_VERSION) : -1].decode("ascii", "replace") if first.startswith(_VERSION) else ""
-            way = (
-                "; with ROS 1 `rosbag play` while `rosbag record -a` runs makes one of it" if older[:2] == "1." else ""
-            )
-            said = f"is a bag of version {older!s:.9}; expected 2.0{way}" if older.isprintable() and older else ""
-            raise SourceError(f"{path}: cannot be read: {said or 'is no bag of version 2.0'}")
+            other = first[len(_VERSION) : -1].decode("ascii", "replace") if first.startswith(_VERSION) else ""
+            said = f"is a bag of version {other!s:.9}; expected 1.2 or 2.0" if other.isprintable() and other else ""
+            raise SourceError(f"{path}: cannot be read: {said or 'is no bag of version 1.2 or 2.0'}")
         self.chunks: list[Chunk] = []
         self._defined: dict[int, tuple[str, str, str]] = {}
         self._counts: Counter[int] = Counter()
