@@ -47,6 +47,11 @@ from robophm.transports.recordings.columns.pieces import (
     TopicExtent,
 )
 
+_CHUNK_HEAD = struct.Struct("<BQQQQII")
+_LONGEST_HEAD = _CHUNK_HEAD.size + 16 + 8
+"""Bytes before what a chunk holds: no compression has a longer name."""
+
+_SIZE = struct.Struct("<Q").unpack_from
 _INDEX_HEAD = struct.Struct("<BQHI").unpack_from
 _CHUNK_INDEX = struct.Struct("<QQQQI").unpack_from
 _INDEX = np.dtype([("time", "<u8"), ("offset", "<u8")])
@@ -293,11 +298,17 @@ class McapFile(ChunkedFile):
 
     def chunk_at(self, offset: int) -> Chunk:
         """Return the chunk record at this place; raises DamageError."""
-        opcode, length, first, last, size, checksum, name = struct.unpack("<BQQQQII", self.between(offset, offset + 41))
+        head = self.between(offset, min(offset + _LONGEST_HEAD, self.size))
+        if len(head) < _CHUNK_HEAD.size:
+            raise DamageError(f"no chunk at byte {offset}")
+        opcode, length, first, last, size, checksum, name = _CHUNK_HEAD.unpack_from(head)
         end = offset + 9 + length
-        compression = self.between(offset + 41, offset + 41 + min(name, 16)).decode("ascii", "replace")
-        start = offset + 49 + name
-        (stored,) = struct.unpack("<Q", self.between(start - 8, start))
+        behind = _CHUNK_HEAD.size + name
+        if behind + 8 > len(head):
+            raise DamageError(f"no chunk at byte {offset}")
+        compression = head[_CHUNK_HEAD.size : behind].decode("ascii", "replace")
+        start = offset + behind + 8
+        (stored,) = _SIZE(head, behind)
         if opcode != kinds.CHUNK or start + stored > end or end > self.size:
             raise DamageError(f"no chunk at byte {offset}")
         if first > last or first >= MOST_TIME:  # no time at all, which would hide it
