@@ -125,7 +125,7 @@ def test_why_a_topic_has_no_numbers_is_told(tmp_path):
         writer.start(profile="ros2")
         for topic, type_, encoding, definition in (
             ("/text", "std_msgs/msg/String", "cdr", b"string data\n"),
-            ("/proto", "foo.Bar", "flatbuffer", b""),
+            ("/proto", "foo.Bar", "flexbuffer", b""),
             ("/broken", "a_msgs/msg/B", "cdr", b"b_msgs/C[] gone\n"),
             ("/number", "std_msgs/msg/Float64", "cdr", b"float64 data\n"),
         ):
@@ -137,6 +137,9 @@ def test_why_a_topic_has_no_numbers_is_told(tmp_path):
     why = {one.name: one.no_numbers for one in overview(recorded).topics}
     assert why.pop("/number") == ""
     assert why.pop("/text") == "its type has none"
-    assert why.pop("/proto") == "is encoded as 'flatbuffer'; expected cdr, ros1, json, cbor or protobuf"
+    assert (
+        why.pop("/proto")
+        == "is encoded as 'flexbuffer'; expected cdr, ros1, json, cbor, msgpack, protobuf or flatbuffer"
+    )
     assert why.pop("/broken") == "the definition of its type 'a_msgs/msg/B' is missing or damaged"
     assert not why

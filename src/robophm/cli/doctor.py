@@ -26,6 +26,7 @@ EXTRAS = {
     "notebook": ("data frames and plots in Python", ("pandas", "matplotlib")),
     "parquet": ("tables in Parquet", ("pyarrow",)),
     "cbor": ("messages of CBOR in MCAP", ("cbor2",)),
+    "msgpack": ("messages of MessagePack in MCAP", ("msgpack",)),
     "protobuf": ("messages of Protocol Buffers in MCAP", ("protobuf",)),
     "remote": ("recordings on web servers and in object storage", ("obstore",)),
     "px4": ("logs of PX4", ("pyulog",)),

@@ -18,14 +18,14 @@ import pytest
 from foxglove_schemas_protobuf.JointStates_pb2 import JointStates
 from foxglove_schemas_protobuf.LaserScan_pb2 import LaserScan
 from foxglove_schemas_protobuf.Log_pb2 import Log
-from google.protobuf import descriptor_pb2
+from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from mcap.reader import make_reader
 from mcap.writer import Writer
 from mcap_protobuf.decoder import DecoderFactory
 from mcap_protobuf.writer import Writer as ProtobufWriter
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import SECOND
+from robophm.core.signal import SECOND, bracketed
 from robophm.transports.recordings.columns import read_columns
 from robophm.transports.recordings.opening import open_source
 from robophm.transports.recordings.recording import Recording
@@ -268,12 +268,14 @@ def test_other_encodings_say_why_they_have_no_numbers(tmp_path: Path) -> None:
     with (tmp_path / "drive.mcap").open("wb") as file:
         writer = Writer(file)
         writer.start()
-        for encoding in ("flatbuffer", "protobuf"):
+        for encoding in ("flexbuffer", "flatbuffer", "protobuf"):
             writer.add_message(writer.register_channel(f"/{encoding}", encoding, 0), T0, b"x", T0)
         writer.finish()
     with Recording(tmp_path / "drive.mcap") as source:
         assert source.undecoded() == {
-            "/flatbuffer": "is encoded as 'flatbuffer'; expected cdr, ros1, json, cbor or protobuf",
+            "/flexbuffer": "is encoded as 'flexbuffer'; "
+            "expected cdr, ros1, json, cbor, msgpack, protobuf or flatbuffer",
+            "/flatbuffer": "the definition of its type '' is missing or damaged",
             "/protobuf": "the definition of its type '' is missing or damaged",
         }
 
@@ -324,6 +326,38 @@ def test_a_type_within_itself_is_read_as_far_as_it_is_not(tmp_path: Path) -> Non
     with open_source(tmp_path / "drive.mcap") as source:
         assert source.topics()[0].fields == ("value",)
         assert [one.value for one in source.samples(["/tree.value"])] == [2.5]
+
+
+def test_elements_of_a_map_have_the_names_of_their_keys(tmp_path: Path) -> None:
+    """Of both kinds of values and all three of keys, as the library of Protocol Buffers itself writes them."""
+    file = descriptor_pb2.FileDescriptorProto(name="pack.proto", package="p", syntax="proto3")
+    file.message_type.add(name="Cell").field.add(name="volts", number=1, type=1, label=1)
+    pack = file.message_type.add(name="Pack")
+    kinds = {"torque": (9, 1, None), "cells": (5, 11, ".p.Cell"), "on": (8, 3, None)}
+    for number, (name, (key, value, type_)) in enumerate(kinds.items(), 1):
+        entry = pack.nested_type.add(name=f"{name.capitalize()}Entry")
+        entry.options.map_entry = True
+        entry.field.add(name="key", number=1, type=key, label=1)
+        entry.field.add(name="value", number=2, type=value, label=1, type_name=type_)
+        pack.field.add(name=name, number=number, type=11, label=3, type_name=f".p.Pack.{entry.name}")
+    pool = descriptor_pool.DescriptorPool()
+    pool.Add(file)
+    message = message_factory.GetMessageClass(pool.FindMessageTypeByName("p.Pack"))()
+    torque = {"elbow": 1.5, "wrist.left": -2.5, "7": 3.5}
+    message.torque.update(torque)
+    message.cells[-3].volts, message.cells[12].volts = 4.1, 4.2
+    message.on[True] = 2**40
+    path = write_protobuf(tmp_path / "drive.mcap", {"/pack": [message, type(message)(torque={"elbow": 9.0})]})
+    wanted = {
+        **{f"torque[{bracketed(name)}].value": value for name, value in torque.items()},
+        "cells[-3].value.volts": 4.1, "cells['12'].value.volts": 4.2, "on[true].value": 2.0**40,
+    }  # fmt: skip
+    with Recording(path) as source:
+        assert source.topics()[0].fields == ("torque[].value", "cells[].value.volts", "on[].value")
+        names = {"torque[]": sorted(torque), "cells[]": ["-3", "12"], "on[]": ["true"]}
+        assert source.names()["/pack"] == names
+        found = {one.signal: one.value for one in source.samples([f"/pack.{field}" for field in wanted])}
+    assert found == {f"/pack.{field}": value for field, value in (wanted | {"torque[elbow].value": 9.0}).items()}
 
 
 def test_without_protobuf_it_is_said_how_to_get_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

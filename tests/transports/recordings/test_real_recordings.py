@@ -128,9 +128,10 @@ def test_every_number_is_as_rosbags_reads_it(project: str, real: Path) -> None:
     assert compared == sum(int(row["compared"]) for row in rows)
 
 
-def test_recordings_are_laid_out_of_clones(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("cloned", [True, False], ids=["there", "cloned"])
+def test_recordings_are_laid_out_of_clones(tmp_path: Path, capsys: pytest.CaptureFixture[str], cloned: bool) -> None:
     """What is there as listed; what is another file is said, and not laid."""
-    clone = tmp_path / "clones/someone+robot"
+    clone = tmp_path / ("clones/someone+robot" if cloned else "public/someone/robot")
     clone.mkdir(parents=True)
     content = {"drive.bag": b"#ROSBAG V2.0\n", "other.bag": b"another"}
     for name, some in content.items():
@@ -142,7 +143,8 @@ def test_recordings_are_laid_out_of_clones(tmp_path: Path, capsys: pytest.Captur
     listed = tmp_path / "list.csv"
     rows = [f"someone/robot,MIT,{name},{digest},0" for name in content]
     listed.write_text("\n".join(["project,licence,path,sha256,compared", *rows]))
-    assert real_recordings.laid(tmp_path / "real", tmp_path / "clones", listed) == 1
+    address = "" if cloned else (tmp_path / "public").as_uri()
+    assert real_recordings.laid(tmp_path / "real", tmp_path / "clones", listed, address) == 1
     assert [path.name for path in (tmp_path / "real/someone+robot").iterdir()] == ["drive.bag"]
     assert "someone/robot: other.bag is not there, or another file" in capsys.readouterr().err
 

@@ -187,11 +187,12 @@ def test_a_plug_without_a_format_is_named(theirs, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("content", "says"), [
-    (b"#ROSBAG V1.2\n" + bytes(99), r"is a bag of version 1\.2; expected 2\.0; with ROS 1 `rosbag play` while"),
-    (b"#ROSBAG V3.0\n" + bytes(99), r"is a bag of version 3\.0; expected 2\.0$"),
+    (b"#ROSBAG V1.2\n" + bytes(99), r"cannot be read: no topic is defined in it$"),
+    (b"#ROSBAG V1.1\n" + bytes(99), r"is a bag of version 1\.1; expected 1\.2 or 2\.0$"),
+    (b"#ROSBAG V3.0\n" + bytes(99), r"is a bag of version 3\.0; expected 1\.2 or 2\.0$"),
     (b"#ROSBAG V\xff\n" + bytes(99), "cannot be read: is "),
     (b"\x89HDF\r\n\x1a\n" + bytes(99), "is HDF5, which is not read; expected its signals as a table"),
-], ids=["1.2", "3.0", "damaged", "HDF5"])  # fmt: skip
+], ids=["1.2", "1.1", "3.0", "damaged", "HDF5"])  # fmt: skip
 def test_what_is_not_read_says_the_way_out(tmp_path: Path, content: bytes, says: str) -> None:
     path = tmp_path / "old"
     path.write_bytes(content)

@@ -126,7 +126,7 @@ def test_topics_that_do_not_decode_are_listed_and_refused(recorded: dict[str, Pa
         text = writer.register_schema("Log", "jsonschema", b"{}")
         bad = writer.register_schema("my_msgs/msg/Bad", "ros2msg", b"float64 (x\n")
         part = writer.register_schema("my_msgs/msg/Part", "ros2msg", b"my_msgs/Missing m\nfloat64 x\n")
-        for topic, encoding, schema in (("/log", "msgpack", text), ("/bad", "cdr", bad), ("/part", "cdr", part)):
+        for topic, encoding, schema in (("/log", "flexbuffer", text), ("/bad", "cdr", bad), ("/part", "cdr", part)):
             writer.add_message(writer.register_channel(topic, encoding, schema), T0, b"{}", T0)
         writer.finish()
     with Recording(tmp_path / "mixed.mcap") as recording:
@@ -136,7 +136,8 @@ def test_topics_that_do_not_decode_are_listed_and_refused(recorded: dict[str, Pa
             ("/part", 1, ()),
         ]
         with pytest.raises(
-            SourceError, match=r"'/log' is encoded as 'msgpack'; expected cdr, ros1, json, cbor or protobuf"
+            SourceError,
+            match=r"'/log' is encoded as 'flexbuffer'; expected cdr, ros1, json, cbor, msgpack, protobuf or flatbuffer",
         ):
             recording.samples(["/log.x"])
         for topic in ("/bad", "/part"):

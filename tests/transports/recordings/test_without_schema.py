@@ -1,4 +1,4 @@
-"""MCAP whose messages alone say which fields they have: JSON without a schema, and CBOR."""
+"""MCAP whose messages alone say which fields they have: JSON without a schema, CBOR and MessagePack."""
 
 from __future__ import annotations
 
@@ -19,9 +19,11 @@ from robophm.transports.recordings.opening import open_source
 from robophm.transports.recordings.recording import Recording
 
 cbor2 = pytest.importorskip("cbor2", reason="no cbor2 (make setup installs it)")
+msgpack = pytest.importorskip("msgpack", reason="no msgpack (make setup installs it)")
 
 T0 = 1_750_000_000 * SECOND
-ENCODERS: dict[str, Callable[[Any], bytes]] = {"json": lambda one: json.dumps(one).encode(), "cbor": cbor2.dumps}
+ENCODERS: dict[str, Callable[[Any], bytes]] = {"json": lambda one: json.dumps(one).encode(), "cbor": cbor2.dumps,
+                                               "msgpack": msgpack.packb}  # fmt: skip
 
 
 def write(path: Path, encoding: str, messages: Sequence[bytes], schema: bytes | None = None, first: int = T0) -> Path:
@@ -152,23 +154,52 @@ def test_numbers_of_cbor_are_those_that_its_specification_prints(tmp_path: Path)
         assert [one.value for one in source.samples(["/pack.v"])] == [*RFC_8949.values()]
 
 
+MESSAGE_PACK = {
+    "7f": 127, "e0": -32, "cc80": 128, "cdffff": 65535, "ceffffffff": 2**32 - 1, "cfffffffffffffffff": 2.0**64,
+    "d080": -128, "d18000": -(2**15), "d280000000": -(2**31), "d38000000000000000": -(2.0**63), "c2": 0, "c3": 1,
+    "ca3fc00000": 1.5, "cb7e37e43c8800759c": 1e300, "cb3ff199999999999a": 1.1, "ca7f800000": math.inf,
+}  # fmt: skip
+"""A number of each of its formats, as its specification says that they lie; the floats are those of RFC 8949."""
+
+
+def test_numbers_of_message_pack_are_those_that_its_specification_says(tmp_path: Path) -> None:
+    raws = [b"\x81\xa1v" + bytes.fromhex(one) for one in MESSAGE_PACK]
+    with open_source(write(tmp_path / "drive.mcap", "msgpack", raws)) as source:
+        assert [one.value for one in source.samples(["/pack.v"])] == [*MESSAGE_PACK.values()]
+
+
 HOSTILE = {
-    "cut": cbor2.dumps({"v": [1.0] * 9})[:-3],
-    "deep": b"\xa1\x61v" + b"\x81" * 100_000,
-    "claims": b"\xa1\x61v\x9b\x00\x00\x00\xff\xff\xff\xff\xff\x01",
-    "shared": b"\xa1\x61v\x82\xd8\x1c\x81\x01\xd8\x1d\x00",
-    "a number of a thousand bytes": b"\xa1\x61v\xc2\x59\x03\xe8" + b"\x01" * 1000,
-    "a power of two": b"\xa1\x61v\xc5\x82\x1b\x00\x00\x00\xff\xff\xff\xff\xff\x01",
-    "keys that are none": b"\xa2\x01\x02\xf6\x03",
-    "nothing": b"",
+    "cbor": {
+        "cut": cbor2.dumps({"v": [1.0] * 9})[:-3],
+        "deep": b"\xa1\x61v" + b"\x81" * 100_000,
+        "claims": b"\xa1\x61v\x9b\x00\x00\x00\xff\xff\xff\xff\xff\x01",
+        "shared": b"\xa1\x61v\x82\xd8\x1c\x81\x01\xd8\x1d\x00",
+        "a number of a thousand bytes": b"\xa1\x61v\xc2\x59\x03\xe8" + b"\x01" * 1000,
+        "a power of two": b"\xa1\x61v\xc5\x82\x1b\x00\x00\x00\xff\xff\xff\xff\xff\x01",
+        "keys that are none": b"\xa2\x01\x02\xf6\x03",
+        "nothing": b"",
+    },
+    "msgpack": {
+        "cut": msgpack.packb({"v": [1.0] * 9})[:-3],
+        "deep": b"\x81\xa1v" + b"\x91" * 100_000,
+        "claims": b"\x81\xa1v\xdd\xff\xff\xff\xff\x01",
+        "a time": b"\x81\xa1v\xd6\xff\x00\x00\x00\x01",
+        "a type of its own": b"\x81\xa1v\xd4\x05\x01",
+        "keys that are none": b"\x83\x01\x02\xc0\x03\x90\x04",
+        "keys of one hash": b"\xde\xea\x60"
+        + b"".join(msgpack.packb(n * (2**61 - 1) % 2**64) + b"\x01" for n in range(60_000)),
+        "no text": b"\x81\xa1\xff\x01",
+        "two": b"\x81\xa1v\x01\x81\xa1v\x02",
+        "nothing": b"",
+    },
 }
 
 
-@pytest.mark.parametrize("raw", HOSTILE.values(), ids=HOSTILE)
+@pytest.mark.parametrize(("encoding", "what"), [(one, what) for one, some in HOSTILE.items() for what in some])
 @pytest.mark.parametrize("place", [0, 1])
-def test_messages_that_are_no_cbor_cost_themselves(tmp_path: Path, raw: bytes, place: int) -> None:
-    raws = [cbor2.dumps({"v": 1.5}), cbor2.dumps({"v": 2.5})]
-    path = write(tmp_path / "drive.mcap", "cbor", [*raws[:place], raw, *raws[place:]])
+def test_messages_that_are_none_cost_themselves(tmp_path: Path, encoding: str, what: str, place: int) -> None:
+    raws = [ENCODERS[encoding]({"v": 1.5}), ENCODERS[encoding]({"v": 2.5})]
+    path = write(tmp_path / "drive.mcap", encoding, [*raws[:place], HOSTILE[encoding][what], *raws[place:]])
     with open_source(path) as source:
         found = [one.value for one in source.samples(["/pack.v"])]
     assert [one for one in found if math.isfinite(one)] == [1.5, 2.5]
@@ -184,8 +215,12 @@ def test_a_topic_of_which_no_message_says_a_field_says_so(tmp_path: Path) -> Non
         assert source.undecoded()["/pack"].startswith("has no schema, and no message that was looked into says")
 
 
-def test_without_cbor2_it_is_said_how_to_get_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = write(tmp_path / "drive.mcap", "cbor", [cbor2.dumps({"v": 1.5})])
-    monkeypatch.setitem(sys.modules, "cbor2", None)
+@pytest.mark.parametrize(("encoding", "library"), [("cbor", "cbor2"), ("msgpack", "msgpack")])
+def test_without_the_library_it_is_said_how_to_get_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, encoding: str, library: str
+) -> None:
+    path = write(tmp_path / "drive.mcap", encoding, [ENCODERS[encoding]({"v": 1.5})])
+    monkeypatch.setitem(sys.modules, library, None)
     with Recording(path) as source:
-        assert source.undecoded()["/pack"] == "needs cbor2; install it with `pip install 'robophm[cbor]'`"
+        said = source.undecoded()["/pack"]
+    assert said == f"needs {library}; install it with `pip install 'robophm[{encoding}]'`"

@@ -1,4 +1,4 @@
-"""Messages in JSON or CBOR, whose numbers a JSON Schema names, or nobody but the messages themselves.
+"""Messages in JSON, CBOR or MessagePack, whose numbers a JSON Schema names, or nobody but the messages themselves.
 
 What ``properties`` of objects say is taken, within them and in items of arrays, and through ``$ref`` within the schema;
 what may be of one type or another is left out unless only ``null`` is the other.
@@ -7,7 +7,7 @@ what may be of one type or another is left out unless only ``null`` is the other
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -22,6 +22,9 @@ from robophm.transports.signals.plain_messages import (
     check_types,
     definition,
 )
+
+ENCODINGS = ("json", "cbor", "msgpack")
+"""Encodings whose messages say themselves which fields they have."""
 
 LEARNT = "learnt from messages"
 """Comment of a schema that nobody wrote."""
@@ -64,9 +67,11 @@ def described(name: str, schema: bytes, encoding: str = "json") -> Described:
 
 
 def parser(encoding: str) -> Callable[[bytes], Any]:
-    """Return what makes a Python object of a message in JSON or CBOR, within bounds. Raises SourceError."""
-    if encoding == "json":
-        return _from_json
+    """Return what makes a Python object of a message in one of the encodings, within bounds. Raises SourceError."""
+    return _PARSERS[encoding]()
+
+
+def _cbor() -> Callable[[bytes], Any]:
     try:
         import cbor2
     except ImportError:
@@ -79,9 +84,30 @@ def parser(encoding: str) -> Callable[[bytes], Any]:
     return from_cbor
 
 
+def _message_pack() -> Callable[[bytes], Any]:
+    try:
+        import msgpack
+    except ImportError:
+        raise SourceError("needs msgpack; install it with `pip install 'robophm[msgpack]'`") from None
+
+    def from_message_pack(raw: bytes) -> Any:
+        check_length(raw)
+        return msgpack.unpackb(raw, strict_map_key=False, object_pairs_hook=_named)
+
+    return from_message_pack
+
+
+def _named(pairs: Sequence[tuple[Any, Any]]) -> dict[str, Any]:
+    """What texts name: other keys may be made so that they cannot be told apart in any useful time."""
+    return {name: value for name, value in pairs if isinstance(name, str)}
+
+
 def _from_json(raw: bytes) -> Any:
     check_length(raw)
     return json.loads(raw, parse_int=_integer)
+
+
+_PARSERS = {"json": lambda: _from_json, "cbor": _cbor, "msgpack": _message_pack}
 
 
 def _refuse(*_: Any) -> Any:

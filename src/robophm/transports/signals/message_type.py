@@ -15,6 +15,7 @@ from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import Reduction, any_element, steps_of
 from robophm.transports.signals.element_names import Field, Way, getter, namer_of, number
 from robophm.transports.signals.installed_definitions import definitions_in, places
+from robophm.transports.signals.json_messages import ENCODINGS
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection, MessageDefinition
@@ -44,7 +45,7 @@ _STAMPS = (
 )  # fmt: skip
 """Fields in which a message says its time, the first in ROS, the last two in Foxglove's types."""
 
-_DESCRIBED = ("json", "cbor", "protobuf")
+_DESCRIBED = (*ENCODINGS, "protobuf", "flatbuffer")
 """Encodings whose schemas other modules read."""
 
 _ONLY_IN_CDR = "structure_needs_at_least_one_member"
@@ -128,11 +129,13 @@ def _compiled_type(
 @lru_cache(maxsize=256)
 def _described_type(name: str, schema: str, encoding: str) -> MessageType:
     """The type that another encoding's schema, a byte a letter, describes."""
-    from robophm.transports.signals import json_messages, protobuf_messages
+    from robophm.transports.signals import flatbuffer_messages, json_messages, protobuf_messages
 
     content = schema.encode("latin-1")
     if encoding == "protobuf":
         definitions, decode = protobuf_messages.described(name, content)
+    elif encoding == "flatbuffer":
+        definitions, decode = flatbuffer_messages.described(name, content)
     else:
         definitions, decode = json_messages.described(name, content, encoding)
     if _size(definitions, name, {}) > LARGEST_TYPE:

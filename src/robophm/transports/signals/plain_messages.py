@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import make_dataclass
 from keyword import iskeyword
 from typing import Any, NamedTuple
@@ -15,6 +15,11 @@ from robophm.core.errors import SourceError
 
 LONGEST_MESSAGE = 1 << 24
 """Bytes of a message beyond which it is not decoded: all of it is made Python's objects, which are larger."""
+
+MOST_VALUES = 1 << 20
+"""Fields of a message and of those in it, and sixteenths of the letters of its texts, beyond which it is not decoded:
+a few bytes can stand for a message of thousands of fields, or for one that is there a million times.
+"""
 
 MOST_TYPES = 2000
 """Messages within messages, of one type, beyond which its schema is taken to be damaged."""
@@ -75,26 +80,53 @@ class PlainMessages:
         }
 
     def of(self, name: str, decoded: Any) -> Any:
-        """Return the object of a message of this type; of None the one of a message that is not there."""
+        """Return the object of a message of this type. Raises ValueError where it has more values than are decoded."""
+        return self._message(name, decoded, _Left())
+
+    def _message(self, name: str, decoded: Any, left: _Left) -> Any:
+        """The object of a message, of None the one of a message that is not there."""
+        fields = self._definitions[name][1]
+        left.take(1 + len(fields))
         found = []
-        for field, node in self._definitions[name][1]:
+        for field, node in fields:
             value = None if decoded is None else self._value_of(decoded, field)
-            found.append(self._made(node, value))
+            found.append(self._made(node, value, left))
         return self._classes[name](*found)
 
-    def _made(self, node: Any, value: Any) -> Any:
+    def _made(self, node: Any, value: Any, left: _Left) -> Any:
         from rosbags.interfaces import Nodetype
 
         kind, detail = node
         if kind == Nodetype.NAME:
-            return self.of(detail, value)
+            return self._message(detail, value, left)
         if kind == Nodetype.BASE:
-            return _text(value) if detail[0] == "string" else _number(value)
+            return left.text(value) if detail[0] == "string" else _number(value)
         inner = detail[0]
-        elements: Sequence[Any] = () if value is None or isinstance(value, str | Mapping | float | int) else value
+        elements: Iterable[Any] = () if value is None or isinstance(value, str | Mapping | float | int) else value
         if inner[0] == Nodetype.BASE and inner[1][0] != "string":
+            if isinstance(elements, np.ndarray):
+                return elements
             return np.array([_number(one) for one in elements], np.float64)
-        return [self._made(inner, one) for one in elements]
+        return [self._made(inner, one, left) for one in elements]
+
+
+class _Left:
+    """What may be made of one message yet."""
+
+    def __init__(self) -> None:
+        self._values = MOST_VALUES
+
+    def take(self, count: int) -> None:
+        """Take so many values. Raises ValueError where no more are left."""
+        self._values -= count
+        if self._values < 0:
+            raise ValueError(f"over {MOST_VALUES:,} values")
+
+    def text(self, value: Any) -> str:
+        """Return a value that is a text, and of what is none an empty one."""
+        text = value if isinstance(value, str) else ""
+        self.take(1 + len(text) // 16)
+        return text
 
 
 def _attribute(field: str) -> str:
@@ -105,10 +137,6 @@ def _number(value: Any) -> float:
     if isinstance(value, int) and value.bit_length() > _MOST_BITS:
         return math.copysign(math.inf, value)
     return value if isinstance(value, int | float) else math.nan
-
-
-def _text(value: Any) -> str:
-    return value if isinstance(value, str) else ""
 
 
 def check_length(raw: bytes) -> None:

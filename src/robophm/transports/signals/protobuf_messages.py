@@ -1,12 +1,13 @@
 """Messages of Protocol Buffers, whose types a FileDescriptorSet describes (robophm[protobuf]).
 
-A field that can be told to be missing is then no number; any other has its default, as the encoding says. Maps, bytes,
-and messages within themselves are left out.
+A field that can be told to be missing is then no number; any other has its default, as the encoding says. A map is an
+array of pairs, each with its key, as a text, for a name. Bytes, and messages within themselves, are left out.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 from robophm.core.errors import SourceError
 from robophm.transports.signals.plain_messages import (
@@ -24,6 +25,13 @@ _TYPES = {
     "SINT32": "int32", "SFIXED32": "int32", "UINT32": "uint32", "FIXED32": "uint32", "INT64": "int64",
     "SINT64": "int64", "SFIXED64": "int64", "UINT64": "uint64", "FIXED64": "uint64",
 }  # fmt: skip
+
+
+class _Pair(NamedTuple):
+    """An entry of a map."""
+
+    key: str
+    value: Any
 
 
 def described(name: str, schema: bytes) -> Described:
@@ -62,14 +70,21 @@ def _define(type_: Any, letters: dict[int, str], definitions: Definitions, aroun
         many = bool(field.is_repeated)
         if field.type in letters:
             shapes[field.name] = Shape(letters[field.type], False, many)
-        elif inner and inner.full_name not in around and not inner.GetOptions().map_entry:
+        elif inner and inner.full_name not in around:
             _define(inner, letters, definitions, around)
             shapes[field.name] = Shape(inner.full_name, True, many)
+    if type_.GetOptions().map_entry:
+        shapes["key"] = Shape("string", False, False)
     definitions[type_.full_name] = definition(shapes)
 
 
 def _value_of(message: Any, field: str) -> Any:
+    if isinstance(message, _Pair):
+        return getattr(message, field)
     known = message.DESCRIPTOR.fields_by_name[field]
     if known.has_presence and not message.HasField(field):
         return None
-    return getattr(message, field)
+    value = getattr(message, field)
+    if isinstance(value, Mapping):  # in which order they came is not kept
+        return [_Pair(str(key).lower() if isinstance(key, bool) else str(key), value[key]) for key in sorted(value)]
+    return value

@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 MAGIC = b"\x89MCAP0\r\n"
@@ -43,6 +43,12 @@ class Content:
     """Sequence, log time and time of publication."""
     attachments: list[bytes] = field(default_factory=list)
     metadata: list[bytes] = field(default_factory=list)
+    ahead: int = 0
+    """Messages before the attachments."""
+    padded_end: bool = False
+    """Whether the end of the data may be longer than it need be too."""
+    checksums: bool = True
+    """Without them, as until February 2022, a file that has no chunks may also say that it has indices of such."""
 
 
 SCHEMA = struct.pack("<H", 1) + text("Example") + text("c") + struct.pack("<I", 3) + b"\x04\x05\x06"
@@ -58,11 +64,17 @@ CONTENTS = {
     "OneMetadata": Content(metadata=[text("myMetadata") + texts({"foo": "bar"})]),
     "TenMessages": Content([SCHEMA], [CHANNEL], TEN),
 }
+_ATTACHMENT = CONTENTS["OneAttachment"].attachments
+FORMER = {
+    "OneMessage": Content([SCHEMA], [CHANNEL], [(10, 2, 1)], padded_end=True, checksums=False),
+    "TenMessagesOneAttachment": Content([SCHEMA], [CHANNEL], TEN, _ATTACHMENT, ahead=5, padded_end=True),
+}
+"""What the suite held once: in February and, with an attachment amidst messages, in December 2022."""
 
 
-def variants() -> Iterator[tuple[str, Content, bytes]]:
+def variants(contents: Mapping[str, Content] = CONTENTS) -> Iterator[tuple[str, Content, bytes]]:
     """The name of each file, what it holds, and its bytes."""
-    for name, content in CONTENTS.items():
+    for name, content in contents.items():
         for size in range(len(FEATURES) + 1):
             for features in map(set, itertools.combinations(FEATURES, size)):
                 if sensible(content, features):
@@ -76,8 +88,12 @@ def sensible(content: Content, features: set[str]) -> bool:
         all(there for name, there in needs.items() if name in features)
         and (bool(content.channels) or not features & {"ch", "chx", "mx"})
         and ("sum" not in features or bool(features & {"chx", "rsh", "rch", "mdx", "ax", "st"}))
-        and ("ch" in features or not features & {"chx", "mx"})
+        and ("ch" in features or not content.checksums or not features & {"chx", "mx"})
     )
+
+
+def checksum(some: bytes, content: Content) -> int:
+    return zlib.crc32(some) if content.checksums else 0
 
 
 def record(opcode: int, content: bytes, padded: bool = False) -> bytes:
@@ -92,17 +108,15 @@ def written(content: Content, features: set[str]) -> bytes:
     inside = "ch" in features
     schemas = [record(3, one, pad and not inside) for one in content.schemas]
     channels = [record(4, one, pad and not inside) for one in content.channels]
-    places, chunk = [], bytearray(b"".join(schemas + channels))
-    for sequence, logged, published in content.messages:
+    places, chunk, behind = [], bytearray(b"".join(schemas + channels)), 0
+    for number, (sequence, logged, published) in enumerate(content.messages):
+        behind = len(chunk) if number == content.ahead else behind
         places.append((logged, len(chunk)))
         chunk += record(5, struct.pack("<HIQQ", 1, sequence, logged, published) + b"\1\2\3")
     indices: list[bytes] = []
     first, last = (end([logged for _, logged, _ in content.messages], default=0) for end in (min, max))
-    if inside:
-        indices = in_chunk(file, bytes(chunk), (first, last), places if "mx" in features else [], pad)
-    else:
-        file += chunk
-    found: dict[int, bytes] = {8: b"".join(indices) if "chx" in features else b""}
+    file += b"" if inside else chunk[:behind]
+    found: dict[int, bytes] = {}
     for opcode, records, feature, index in ((9, content.attachments, "ax", 10), (12, content.metadata, "mdx", 13)):
         for one in records:
             start = len(file)
@@ -110,7 +124,12 @@ def written(content: Content, features: set[str]) -> bytes:
             where = struct.pack("<QQ", start, len(file) - start)
             name = text("myMetadata") if opcode == 12 else struct.pack("<QQQ", 2, 1, 3) + one[16:26] + one[26:54]
             found[index] = record(index, where + name, pad) if feature in features else b""
-    file += record(15, struct.pack("<I", zlib.crc32(file)))
+    if inside:  # a chunk is written when all of it is there
+        indices = in_chunk(file, content, bytes(chunk), (first, last), places if "mx" in features else [], pad)
+    else:
+        file += chunk[behind:]
+    found[8] = b"".join(indices) if "chx" in features else b""
+    file += record(15, struct.pack("<I", checksum(bytes(file), content)), pad and content.padded_end)
     found[3] = b"".join(record(3, one, pad) for one in content.schemas if "rsh" in features)
     found[4] = b"".join(record(4, one, pad) for one in content.channels if "rch" in features)
     if "st" in features:
@@ -118,26 +137,29 @@ def written(content: Content, features: set[str]) -> bytes:
         each = map(len, (content.messages, content.schemas, content.channels, content.attachments, content.metadata))
         totals = struct.pack("<QHIIII", *each, inside) + struct.pack("<QQ", first, last)
         found[11] = record(11, totals + numbers("<HQ", counts), pad)
-    return finished(file, found, "sum" in features, pad)
+    return finished(file, content, found, "sum" in features, pad)
 
 
 def in_chunk(
-    file: bytearray, chunk: bytes, ends: tuple[int, int], places: list[tuple[int, int]], pad: bool
+    file: bytearray, content: Content, chunk: bytes, ends: tuple[int, int], places: list[tuple[int, int]], pad: bool
 ) -> list[bytes]:
     """Append a chunk and the index behind it; return the index of the chunk."""
     start = len(file)
-    head = struct.pack("<QQQI", *ends, len(chunk), zlib.crc32(chunk)) + text("") + struct.pack("<Q", len(chunk))
+    head = struct.pack("<QQQI", *ends, len(chunk), checksum(chunk, content)) + text("") + struct.pack("<Q", len(chunk))
     file += record(6, head + chunk)
     behind = len(file)
     offsets = [(1, behind)] if places else []
     if places:
         file += record(7, struct.pack("<H", 1) + numbers("<QQ", places), pad)
-    told = struct.pack("<QQQQ", *ends, start, behind - start) + numbers("<HQ", offsets)
-    told += struct.pack("<Q", len(file) - behind) + text("") + struct.pack("<QQ", len(chunk), len(chunk))
+    short = 0 if content.checksums else 2  # so its writer counted then, and left room for a checksum of the index
+    told = struct.pack("<QQQQ", *ends, start, behind - start - short) + numbers("<HQ", offsets)
+    told += (
+        struct.pack("<Q", len(file) - behind) + text("") + struct.pack("<QQ", len(chunk), len(chunk)) + bytes(2 * short)
+    )
     return [record(8, told, pad)]
 
 
-def finished(file: bytearray, found: dict[int, bytes], offsets: bool, pad: bool) -> bytes:
+def finished(file: bytearray, content: Content, found: dict[int, bytes], offsets: bool, pad: bool) -> bytes:
     """Append the summary and the footer."""
     start = len(file)
     groups = bytearray()
@@ -149,4 +171,4 @@ def finished(file: bytearray, found: dict[int, bytes], offsets: bool, pad: bool)
     places = struct.pack("<QQ", summary, len(file) if offsets else 0)
     file += groups if offsets else b""
     footer = struct.pack("<BQ", 2, 20) + places
-    return bytes(file + footer + struct.pack("<I", zlib.crc32(file[start:] + footer)) + MAGIC)
+    return bytes(file + footer + struct.pack("<I", checksum(bytes(file[start:] + footer), content)) + MAGIC)

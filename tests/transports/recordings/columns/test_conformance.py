@@ -29,21 +29,23 @@ from ..made import T0
 from . import conformance
 from .fuzz.mutate import mcap_records
 
-SUITE = "eabcfbf8e6525dd4022cb979a3d1793443a31f427cc163be4ddb98e295cd8d01"
-"""SHA-256 of the names and SHA-256 of the suite's 416 files as its repository states them, a line each, sorted."""
+SUITES = {
+    "today": (conformance.CONTENTS, 416, "eabcfbf8e6525dd4022cb979a3d1793443a31f427cc163be4ddb98e295cd8d01"),
+    "before": (conformance.FORMER, 562, "1a10895367178067ca0e6347de5b873293e689151772e908b55fe8be2fc4f456"),
+}
+"""SHA-256 of the names and SHA-256 of the suite's files as its repository states or holds them, a line each, sorted."""
 
-HOLDS = {"nothing": 0, "a message": 1, "ten messages": 10}
+HOLDS = {"nothing": 0, "ten messages": 10}
 FLAGS = ("use_chunking", "use_statistics", "repeat_schemas", "repeat_channels", "use_summary_offsets", "enable_crcs")
 INDICES = (IndexType.MESSAGE, IndexType.CHUNK, IndexType.ATTACHMENT, IndexType.METADATA)
 
 
-def test_the_suite_itself(tmp_path: Path) -> None:
-    files = {name: (content, raw) for name, content, raw in conformance.variants()}
+@pytest.mark.parametrize(("contents", "count", "stated"), SUITES.values(), ids=SUITES)
+def test_the_suite_itself(tmp_path: Path, contents: dict[str, conformance.Content], count: int, stated: str) -> None:
+    files = {name: (content, raw) for name, content, raw in conformance.variants(contents)}
     digests = {name: hashlib.sha256(raw).hexdigest() for name, (_, raw) in files.items()}
-    assert (
-        hashlib.sha256("".join(f"{name} {digests[name]}\n" for name in sorted(digests)).encode()).hexdigest() == SUITE
-    )
-    assert len(files) == 416
+    lines = "".join(f"{name} {digests[name]}\n" for name in sorted(digests))
+    assert (len(files), hashlib.sha256(lines.encode()).hexdigest()) == (count, stated)
     path = tmp_path / "x.mcap"
     for content, raw in files.values():
         path.write_bytes(raw)

@@ -37,11 +37,14 @@ def test_definitions_that_cannot_be_followed(text: str, tmp_path: Path) -> None:
         writer.start(profile="ros2")
         schema = writer.register_schema("a_msgs/msg/A", "ros2msg", text.encode())
         writer.add_message(writer.register_channel("/a", "cdr", schema), T0, b"\0\1\0\0" + bytes(8), T0)
-        writer.add_message(writer.register_channel("/j", "msgpack", schema), T0, b"\xa0", T0)
+        writer.add_message(writer.register_channel("/j", "flexbuffer", schema), T0, b"\xa0", T0)
         writer.finish()
     with pytest.raises(SourceError, match="definition of its type 'a_msgs/msg/A' is missing or damaged"):
         read_columns(path, ["/a.x"])
-    with pytest.raises(SourceError, match="'/j' is encoded as 'msgpack'; expected cdr, ros1, json, cbor or protobuf"):
+    with pytest.raises(
+        SourceError,
+        match="'/j' is encoded as 'flexbuffer'; expected cdr, ros1, json, cbor, msgpack, protobuf or flatbuffer",
+    ):
         read_columns(path, ["/j.x"])
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import random
 import subprocess
 import sys
 from collections import Counter
@@ -165,6 +166,30 @@ def test_a_damaged_part_costs_what_it_costs_alone(drive: tuple[Path, list[Path]]
     assert found == expected
     assert notes == said
     assert any("drive_040" in note for note in notes)
+
+
+def test_bags_that_define_what_they_hear_in_any_order(tmp_path: Path) -> None:
+    """As ``rosbag record --split`` writes them: a connection when it is first heard of, and none that is not."""
+    from rosbags.rosbag1 import Reader, Writer
+
+    whole = SyntheticOta(seed=3, start=T0, duration=300 * SECOND).record(tmp_path / "drive.bag")
+    chance, paths = random.Random(8), []
+    with Reader(whole) as reader:
+        messages = list(reader.messages())
+    for start in sorted({time // LENGTH for _, time, _ in messages}):
+        here = [one for one in messages if one[1] // LENGTH == start]
+        topics = sorted({one.topic: one for one, _, _ in here}.values(), key=lambda one: one.topic)
+        if len(paths) % 3:
+            chance.shuffle(topics)
+        paths.append(tmp_path / f"part_{start}.bag")
+        with Writer(paths[-1]) as writer:
+            known = {one.topic: writer.add_connection(one.topic, one.msgtype, msgdef=one.msgdef.data, md5sum=one.digest)
+                     for one in topics}  # fmt: skip
+            for one, time, raw in here:
+                writer.write(known[one.topic], time, raw)
+    for some in (paths, paths[::3], [*paths[:2], *paths[12:20]]):
+        assert gathered(some) == alone(some)
+    assert gathered(paths) == gathered(whole)
 
 
 def test_a_part_that_was_changed_is_read_anew(drive: tuple[Path, list[Path]], tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ Format: wiki.ros.org/Bags/Format/2.0.
 from __future__ import annotations
 
 from array import array
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 from itertools import accumulate, pairwise
@@ -67,12 +67,9 @@ class BagFile(ChunkedFile):
         super().__init__(path, notes)
         if self.content[: len(MAGIC)].tobytes() != MAGIC:
             first = self.content[: len(MAGIC)].tobytes()
-            older = first[len(_VERSION) : -1].decode("ascii", "replace") if first.startswith(_VERSION) else ""
-            way = (
-                "; with ROS 1 `rosbag play` while `rosbag record -a` runs makes one of it" if older[:2] == "1." else ""
-            )
-            said = f"is a bag of version {older!s:.9}; expected 2.0{way}" if older.isprintable() and older else ""
-            raise SourceError(f"{path}: cannot be read: {said or 'is no bag of version 2.0'}")
+            other = first[len(_VERSION) : -1].decode("ascii", "replace") if first.startswith(_VERSION) else ""
+            said = f"is a bag of version {other!s:.9}; expected 1.2 or 2.0" if other.isprintable() and other else ""
+            raise SourceError(f"{path}: cannot be read: {said or 'is no bag of version 1.2 or 2.0'}")
         self.chunks: list[Chunk] = []
         self._defined: dict[int, tuple[str, str, str]] = {}
         self._counts: Counter[int] = Counter()
@@ -282,13 +279,12 @@ class BagFile(ChunkedFile):
     def _read_connections(self, position: int, count: int) -> int:
         """Keep so many connections from this place on; return where they end.
 
-        The files of one drive have the same: those of the file before are compared as they lie.
+        The files of one drive have the same, or some: those of files before are compared as they lie.
         """
-        global _connections_last
-        run, many, defined = _connections_last
-        if count == many and self.content[position : position + len(run)].tobytes() == run:
-            self._defined = dict(defined)
-            return position + len(run)
+        for run, many, defined in _connections_lately:
+            if count == many and self.content[position : position + len(run)].tobytes() == run:
+                self._defined = dict(defined)
+                return position + len(run)
         begin = position
         for _ in range(count):
             record = self._record(position)
@@ -296,7 +292,7 @@ class BagFile(ChunkedFile):
                 raise DamageError(f"no connection at byte {position}")
             self._define(record, self.content)
             position = record.end
-        _connections_last = self.content[begin:position].tobytes(), count, dict(self._defined)
+        _connections_lately.appendleft((self.content[begin:position].tobytes(), count, dict(self._defined)))
         return position
 
     def placed(self, chunks: list[Chunk], wanted: frozenset[int]) -> list[Chunk]:
@@ -422,8 +418,8 @@ class BagFile(ChunkedFile):
         self.chunks.append(self._timed(rest)._replace(indices=None))
 
 
-_connections_last: tuple[bytes, int, Mapping[int, tuple[str, str, str]]] = (b"", 0, {})
-"""The connections in the index of the file before: as they lie, how many, and what they define."""
+_connections_lately: deque[tuple[bytes, int, Mapping[int, tuple[str, str, str]]]] = deque(maxlen=8)
+"""The connections in the indices of files before: as they lie, how many, and what they define."""
 
 
 def _times(index: NDArray[Any]) -> Ints:

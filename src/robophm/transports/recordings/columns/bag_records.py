@@ -5,6 +5,7 @@ Format: wiki.ros.org/Bags/Format/2.0.
 
 from __future__ import annotations
 
+import re
 import struct
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
@@ -29,6 +30,9 @@ _OUTSIDE = {
 
 LONGEST_HEADER = 1 << 16
 """Bytes of the fields of a record, beyond which their length is taken to be a lie."""
+
+_FORMER_HEADER = re.compile(r"\broslib/Header\b")
+"""The name of the header's type until 2011, with the same fields."""
 
 _LENGTH = struct.Struct("<I").unpack_from
 _TIME = struct.Struct("<II").unpack
@@ -59,11 +63,11 @@ class Record(NamedTuple):
         return int(seconds) * SECOND + int(nanoseconds)
 
 
-def record_at(content: Bytes, position: int, size: int) -> Record:
-    """The record at this place of a content of this size; raises DamageError."""
+def record_at(content: Bytes, position: int, size: int, longest: int = LONGEST_HEADER) -> Record:
+    """The record at this place of a content of this size, with a header of this length at most; raises DamageError."""
     view, last = content.data, len(content) - 4
     behind = position + 4 + (_LENGTH(view, position)[0] if position <= last else 0)
-    if behind > last or behind - position > LONGEST_HEADER:
+    if behind > last or behind - position > longest:
         raise DamageError(f"no record at byte {position}")
     end = behind + 4 + _LENGTH(view, behind)[0]
     if end > size:
@@ -134,6 +138,6 @@ def connections_of(defined: tuple[tuple[int, tuple[str, str, str]], ...]) -> lis
         except Exception:  # said when the topic is asked for
             definition = ""
         extension = ConnectionExtRosbag1(None, None)
-        text = MessageDefinition(Format.MSG, definition)
+        text = MessageDefinition(Format.MSG, _FORMER_HEADER.sub("std_msgs/Header", definition))
         connections.append(Connection(id_, topic, name, text, "", 0, extension, None))
     return connections

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from robophm.core.errors import SourceError
 from robophm.transports.recordings.columns.rows import one_by_one
 from robophm.transports.signals.element_names import MOST_UNNAMED, PLACES_NAMING
-from robophm.transports.signals.json_messages import LearntSchema, parser, says_fields
+from robophm.transports.signals.json_messages import ENCODINGS, LearntSchema, parser, says_fields
 from robophm.transports.signals.message_type import message_type, ways_to
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ def _has(connection: Connection, fields: Collection[str]) -> bool:
 
 
 def _unsaid(connection: Connection) -> bool:
-    return _encoding(connection) in ("json", "cbor") and not says_fields(connection.msgdef.data.encode("latin-1"))
+    return _encoding(connection) in ENCODINGS and not says_fields(connection.msgdef.data.encode("latin-1"))
 
 
 def _encoding(connection: Connection) -> str:

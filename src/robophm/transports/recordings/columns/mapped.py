@@ -132,10 +132,10 @@ class MappedFile(PiecedFile):
             _mapped.pop(id(self), None)
             self._let_go()
 
-    def read_whole(self) -> None:
-        """Say that the file is gone through from here to there."""
+    def read_whole(self, why: str = "it has no index, or a damaged one") -> None:
+        """Say that, and ``why``, the file is gone through from here to there."""
         if self._fetched:
-            self._fetched.bring_all("it has no index, or a damaged one")
+            self._fetched.bring_all(why)
         self._advice = _WHOLE
         memory = self.content is not None and self._memory
         if memory and _WHOLE is not None:

@@ -12,7 +12,6 @@ from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import suppress
-from functools import partial
 from itertools import accumulate, pairwise
 from operator import attrgetter
 from pathlib import Path
@@ -27,6 +26,7 @@ from robophm.transports.recordings.columns import mcap_records as kinds
 from robophm.transports.recordings.columns.chunk import Chunk, UnknownError
 from robophm.transports.recordings.columns.chunked import ChunkedFile
 from robophm.transports.recordings.columns.field_extraction import Bytes, Ints
+from robophm.transports.recordings.columns.loose_messages import FOUND, by_channel, pieces_of, table_of, tell_loose
 from robophm.transports.recordings.columns.mcap_definitions import (
     CHANNEL,
     SCHEMA,
@@ -37,18 +37,21 @@ from robophm.transports.recordings.columns.mcap_definitions import (
     define,
     definitions_of,
 )
-from robophm.transports.recordings.columns.mcap_messages import FOUND, by_channel, defines, messages_at, table_of
+from robophm.transports.recordings.columns.mcap_messages import defines, messages_at
 from robophm.transports.recordings.columns.mcap_records import MAGIC, belongs, chunk_places
 from robophm.transports.recordings.columns.pieces import (
-    BATCH,
     MOST_TIME,
     DamageError,
     Messages,
     Piece,
     TopicExtent,
-    tell,
 )
 
+_CHUNK_HEAD = struct.Struct("<BQQQQII")
+_LONGEST_HEAD = _CHUNK_HEAD.size + 16 + 8
+"""Bytes before what a chunk holds: no compression has a longer name."""
+
+_SIZE = struct.Struct("<Q").unpack_from
 _INDEX_HEAD = struct.Struct("<BQHI").unpack_from
 _CHUNK_INDEX = struct.Struct("<QQQQI").unpack_from
 _INDEX = np.dtype([("time", "<u8"), ("offset", "<u8")])
@@ -122,19 +125,10 @@ class McapFile(ChunkedFile):
     def pieces(self, wanted: Collection[int], start: int, end: int, timed: Collection[int] = ()) -> Iterator[Piece]:
         """Chunks, and what was found outside them, in order of time."""
         within = super().pieces(wanted, start, end, timed)
-        return (
-            heapq.merge(within, self._outside({*wanted, *timed}), key=attrgetter("first"))
-            if self._loose.size
-            else within
-        )
-
-    def _outside(self, wanted: Collection[int]) -> Iterator[Piece]:
-        loose = self._loose[np.isin(self._loose["channel"], list(wanted))]
-        loose = loose[np.argsort(loose["time"], kind="stable")]
-        sizes = np.cumsum(loose["end"] - loose["start"]) // BATCH
-        for part in np.split(loose, np.flatnonzero(np.diff(sizes)) + 1):
-            if len(part):
-                yield Piece(int(part["time"][0]), partial(by_channel, part, self.content, wanted))
+        if not self._loose.size:
+            return within
+        outside = pieces_of(self._loose, self.content, {*wanted, *timed})
+        return heapq.merge(within, outside, key=attrgetter("first"))
 
     def moved(self, other: Self, by: int) -> list[Chunk]:
         """Return the chunks of another file, as they are when that lies so many bytes further on in this."""
@@ -201,8 +195,7 @@ class McapFile(ChunkedFile):
     def extents(self) -> dict[int, TopicExtent]:
         """Return how many messages each connection has, in chunks and outside them, and when they were received."""
         told = super().extents()
-        for id_ in np.unique(self._loose["channel"]).tolist() if self._loose.size else ():
-            tell(told, id_, self._loose["time"][self._loose["channel"] == id_].astype(np.int64))
+        tell_loose(told, self._loose)
         return told
 
     def located(
@@ -305,11 +298,17 @@ class McapFile(ChunkedFile):
 
     def chunk_at(self, offset: int) -> Chunk:
         """Return the chunk record at this place; raises DamageError."""
-        opcode, length, first, last, size, checksum, name = struct.unpack("<BQQQQII", self.between(offset, offset + 41))
+        head = self.between(offset, min(offset + _LONGEST_HEAD, self.size))
+        if len(head) < _CHUNK_HEAD.size:
+            raise DamageError(f"no chunk at byte {offset}")
+        opcode, length, first, last, size, checksum, name = _CHUNK_HEAD.unpack_from(head)
         end = offset + 9 + length
-        compression = self.between(offset + 41, offset + 41 + min(name, 16)).decode("ascii", "replace")
-        start = offset + 49 + name
-        (stored,) = struct.unpack("<Q", self.between(start - 8, start))
+        behind = _CHUNK_HEAD.size + name
+        if behind + 8 > len(head):
+            raise DamageError(f"no chunk at byte {offset}")
+        compression = head[_CHUNK_HEAD.size : behind].decode("ascii", "replace")
+        start = offset + behind + 8
+        (stored,) = _SIZE(head, behind)
         if opcode != kinds.CHUNK or start + stored > end or end > self.size:
             raise DamageError(f"no chunk at byte {offset}")
         if first > last or first >= MOST_TIME:  # no time at all, which would hide it

@@ -7,6 +7,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from robophm.transports.recordings.columns.pieces import LONGEST_TEXT, DamageError
+from robophm.transports.signals.json_messages import ENCODINGS
 
 if TYPE_CHECKING:
     from rosbags.interfaces import Connection
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 SCHEMA, CHANNEL = 3, 4
 """Opcodes of records."""
 
-_SCHEMAS = {"json": "jsonschema", "cbor": "jsonschema", "protobuf": "protobuf"}
+_SCHEMAS = {**dict.fromkeys(ENCODINGS, "jsonschema"), "protobuf": "protobuf", "flatbuffer": "flatbuffer"}
 """The language of schemas by the encoding of messages that are not of ROS."""
 
 Schemas = dict[int, tuple[str, str, bytes]]

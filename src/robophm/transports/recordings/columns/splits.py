@@ -1,4 +1,4 @@
-"""Small files one behind the other, as a recorder writes that begins a new one every minute: read some at once."""
+"""Small files, as of a recorder that begins a new one every minute: read some at once, those that define the same."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import suppress
 from functools import partial
-from itertools import groupby
 
 import numpy as np
 
@@ -17,21 +16,32 @@ from robophm.transports.recordings.columns.pieces import BATCH, DamageError, Mes
 from robophm.transports.recordings.files import reading
 from robophm.transports.recordings.remote import SMALL
 
+_MOST_ALIKE = 8
+"""Kinds of files, by what they define, that are read beside each other: rosbag defines what it hears in each minute."""
+
 
 def splits_joined(files: Sequence[PiecedFile]) -> list[PiecedFile]:
-    """Files in order of time, those as one that follow each other, are small and whole, and define the same."""
-    found: list[PiecedFile] = []
-    for number, group in groupby(enumerate(files), _alike):
-        some = [file for _, file in group]
-        if number >= 0 and len(some) > 1:
-            found.append(Splits([file for file in some if isinstance(file, MappedFile)]))
-        else:
-            found += some
-    return found
+    """Files in order of time, those as one that are small and whole, and define the same.
+
+    Of many kinds, those as one alone that follow each other.
+    """
+    kinds = [_kind(number, file) for number, file in enumerate(files)]
+    several = len({kind for kind in kinds if kind >= 0})
+    beside = several <= _MOST_ALIKE
+    share = BATCH // max(1, several) if beside else BATCH
+    groups: dict[tuple[int, int], list[PiecedFile]] = {}
+    run, last = 0, -1
+    for kind, file in zip(kinds, files, strict=True):
+        run, last = run + (kind != last and not beside), kind
+        groups.setdefault((kind, run), []).append(file)
+    return [
+        Splits([one for one in some if isinstance(one, MappedFile)], share) if len(some) > 1 else some[0]
+        for some in groups.values()
+    ]
 
 
-def _alike(place: tuple[int, PiecedFile]) -> int:
-    number, file = place
+def _kind(number: int, file: PiecedFile) -> int:
+    """What a file defines that may be joined to others, as a number; of any other file one of its own, below zero."""
     small = isinstance(file, MappedFile) and file.joins and _size(file) <= SMALL
     return id(file.connections) if small else -1 - number
 
@@ -43,13 +53,15 @@ def _size(file: MappedFile) -> int:
 class Splits(PiecedFile):
     """Several files as one. Where anything is wrong with one of some that were read at once, each is read alone."""
 
-    def __init__(self, files: Sequence[MappedFile]) -> None:
+    def __init__(self, files: Sequence[MappedFile], batch: int = BATCH) -> None:
+        """``batch``: bytes that are read at once."""
         self.path = files[0].path
         self.notes = files[0].notes
         self.late: Counter[str] = Counter()
         self.connections = files[0].connections
         self.counts: dict[int, int] = {}  # what is missing in a file is noted here
         self._files = files
+        self._batch = batch
 
     def begin(self) -> int:
         """Return when the first message was received [ns]."""
@@ -67,7 +79,7 @@ class Splits(PiecedFile):
         for file in self._files:
             if isinstance(file, ChunkedFile) and all(one.last < start or one.first >= end for one in file.chunks):
                 continue
-            if batch and size + _size(file) > BATCH:
+            if batch and size + _size(file) > self._batch:
                 yield Piece(batch[0].begin(), partial(self._load, batch, wanted, start, end, timed))
                 batch, size = [], 0
             batch.append(file)

@@ -14,8 +14,11 @@ if TYPE_CHECKING:
 
 def _open(path: Path, notes: Counter[str]) -> PiecedFile:
     from robophm.transports.recordings.columns.bag import BagFile
+    from robophm.transports.recordings.columns.old_bag import MAGIC, OldBagFile
 
-    return BagFile(path, notes)
+    with path.open("rb") as file:
+        old = file.read(len(MAGIC)) == MAGIC
+    return OldBagFile(path, notes) if old else BagFile(path, notes)
 
 
 FORMAT = MessageFormat((".bag",), lambda head: head.startswith(b"#ROSBAG V"), _open, in_parts=True)
