@@ -18,11 +18,11 @@ from robophm.report.outline import Label, More, Spare, names, outline, words
 from robophm.web.prepared_robot import PreparedRobot
 from robophm.web.shapes import Box, Drawing, Gate, Line, Unit
 
-MOST_BOXES = 400
+MOST_BOXES = 2000
 _TITLE, _DETAIL = 13.0, 12.0  # font sizes
 _NARROWEST, _WIDEST = 120.0, 210.0
 _HEIGHT = 48.0
-_MANY, _BROADEST = 40, 20_000.0
+_MANY, _BROADEST = 12, 20_000.0
 
 
 def drawing(
