@@ -1,8 +1,8 @@
 """From a key to the new figures: a value is edited in a design of 2,000 parts, on the page in Chromium.
 
-``python -m benchmarks.page_edit [EDITS]`` (fifteen edits take half a minute): the time from Enter in the inspector until
-the robot's hazard rate in the tree has changed, as the browser's clock has it, and what the service and the browser's
-processes took of the processor from one to the other.
+``python -m benchmarks.page_edit [EDITS]`` (fifteen edits take half a minute): the time from Enter in the inspector
+until the robot's hazard rate in the tree has changed, as the browser's clock has it, and what the service and the
+browser's processes took of the processor from one to the other.
 """
 
 from __future__ import annotations
@@ -66,10 +66,15 @@ def main(edits: int = 15) -> int:
                 edited(page, f"{20 + i} FPMH")
             serving, browsing = taken({service.pid}), taken(mine)
             times = sorted(edited(page, f"{30 + i} FPMH") for i in range(edits))
-            serving, browsing = ((after - at) / edits for after, at in ((taken({service.pid}), serving), (taken(mine), browsing)))
+            serving, browsing = (
+                (after - at) / edits for after, at in ((taken({service.pid}), serving), (taken(mine), browsing))
+            )
             browser.close()
-    print(f"edit of {MODULES * PARTS} parts: {statistics.median(times):.0f} ms to the new figures, {times[0]:.0f} to {times[-1]:.0f}")
-    print(f"processor for each, all that the page then asks included: service {serving:.2f} s, browser {browsing:.2f} s")
+    middle, least, most = (f"{one:.0f} ms" for one in (statistics.median(times), times[0], times[-1]))
+    print(f"edit of {MODULES * PARTS} parts: {middle} to the new figures, {least} to {most}")
+    print(
+        f"processor for each, all that the page then asks included: service {serving:.2f} s, browser {browsing:.2f} s"
+    )
     return 0
 
 

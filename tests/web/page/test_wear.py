@@ -74,4 +74,7 @@ def test_wear_is_drawn_with_its_band_and_threshold(tmp_path, visit):
         assert (
             served.client.get("/api/wear", params={"mode": "motr"}).json()["message"].endswith("did you mean 'motor'?")
         )
+        # and beside the part in the design
+        look.open("design/motor").get_by_role("region", name="Wear of motor", exact=True).locator("canvas").wait_for()
+        assert look.serious() == []
         assert look.wrong == []
