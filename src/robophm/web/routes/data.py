@@ -130,7 +130,8 @@ def import_parts(
     table = found.parts_list.table
     kept = [f"{one.name}: {one.state} {one.text}".strip() for one in found.removed]
     return Imported(
-        text=found.text, findings=kept, columns=["part", "quantity", "model", "rate of one", "assumed", "what"], rows=rows,
+        text=found.text, findings=kept, rows=rows,
+        columns=["part", "quantity", "model", "rate of one", "assumed", "what"],
         mapping={column.field: column.header for column in table.columns}, unused=list(table.unused),
         fields=list(FIELDS),
     )  # fmt: skip
