@@ -122,6 +122,7 @@ def test_every_figure_says_since_when_it_rests_on_silence() -> None:
     assert report.components[0].silence == words
     document = report.to_json()
     assert [document["subjects"][0]["silence"], document["components"][0]["silence"]] == [words, words]
+    assert document["silent"] == {"/t.c": 1_700_000_049 * SECOND, "/v.u": 1_700_000_069 * SECOND}
 
 
 def test_the_split_of_time_changes_nothing() -> None:

@@ -211,6 +211,14 @@ def told(time: int, *, breaches: Sequence[str] = (), flags: Sequence[str] = (), 
     )  # fmt: skip
 
 
+def test_a_silence_is_dated_to_when_the_signal_was_heard_last(store: Store) -> None:
+    silent = told(BEGIN + 9, flags=["stale /t.x", "stale /never.y"]) | {"silent": {"/t.x": BEGIN + 4, "/never.y": None}}
+    store.save("R", {}, (), [told(BEGIN), silent])
+    assert [event[:3] for event in store.history("R").events()] == [
+        (BEGIN + 4, "silence", "/t.x"), (BEGIN + 9, "silence", "/never.y"),
+    ]  # fmt: skip
+
+
 def test_events_are_told_from_what_changes_and_are_kept_for_ever(store: Store) -> None:
     quiet = [report(BEGIN + 400 * DAY + i * DAY) for i in range(3)]
     store.save("R", {}, (), [told(BEGIN), told(BEGIN + 1, breaches=["hazard rate 2e-05 /h is above 1e-05 /h"])])

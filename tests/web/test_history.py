@@ -32,15 +32,19 @@ def lived(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 
 
 def fill(
-    design: Path, path: Path, begin: int = BEGIN, count: int = COUNT, off: range = range(100 * 24, 110 * 24)
-) -> None:
-    """Keep reports whose sensor-based hazard rate is their number, in a breach from the 200th to the 210th day."""
+    design: Path, path: Path, begin: int = BEGIN, count: int = COUNT, off: range = range(100 * 24, 110 * 24),
+    every: int = 1,
+) -> None:  # fmt: skip
+    """Keep reports, one in ``every`` so many hours, whose sensor-based hazard rate is their hour's number.
+
+    They are in a breach from the 200th to the 210th day.
+    """
     robot = load(design)
     monitor = Monitor(robot)
     report = monitor.report(remaining_life="robot").to_json(failures_to_come=False)
     whole, rest = report["subjects"][0], report["subjects"][1:]
     reports = []
-    for hour in range(count):
+    for hour in range(0, count, every):
         if hour in off:
             continue
         told = ["hazard rate 2 /h is above 1 /h"] if 200 * 24 <= hour < 210 * 24 else []

@@ -98,6 +98,8 @@ class HealthReport:
     """The last values that still hold of the signals of stress, where the design limits any."""
     suspect_time: tuple[SuspectTime, ...] = ()
     """Stretches in which the machine's clock was not plausible, so that time went on without it."""
+    silent: Mapping[str, int | None] = field(default_factory=dict)
+    """Signals that are silent, and when each had a valid value last [ns]; None where it never spoke."""
 
     @property
     def design(self) -> Robot:
@@ -248,6 +250,7 @@ class HealthReport:
             "warnings": list(self.warnings),
             "notes": list(self.notes),
             "suspect_time": [one._asdict() for one in self.suspect_time],
+            "silent": dict(self.silent),
         }
 
     def __repr__(self) -> str:

@@ -139,6 +139,7 @@ def health_now(
         doubts=doubtful,
         heard=exposure.last_values(ledger) if robot.limits_signals else {},
         suspect_time=tuple(ledger.suspect_time),
+        silent=silent,
     )
 
 

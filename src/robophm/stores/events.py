@@ -31,7 +31,8 @@ class Event(NamedTuple):
     """One thing that happened; there is one of each kind, time and subject."""
 
     time: int
-    """When [ns since the epoch]; of a breach or a silence the report that was the first to tell of it."""
+    """When [ns since the epoch]: of a silence when the signal was heard last, of a breach, of what has ended and of a
+    signal that never spoke the report that was the first to tell of it."""
     kind: Kind
     subject: str
     """Subject of the event: a figure of a module, a signal, a failure mode, a part, an alarm; "" the robot."""
@@ -51,10 +52,11 @@ def events_between(before: Mapping[str, Any] | None, after: Mapping[str, Any]) -
         yield Event(time, "breach", subject, now[subject])
     for subject in was.keys() - now.keys():
         yield Event(time, "breach ended", subject, f"no longer so: {was[subject]}")
-    silent, heard = _silent(before or {}), _silent(after)
-    for signal in heard - silent:
-        yield Event(time, "silence", signal, f"{signal} is silent")
-    for signal in silent - heard:
+    was_silent, now_silent = _silent(before or {}), _silent(after)
+    heard_last = after.get("silent", {})
+    for signal in now_silent - was_silent:
+        yield Event(heard_last.get(signal) or time, "silence", signal, f"{signal} is silent")
+    for signal in was_silent - now_silent:
         yield Event(time, "silence ended", signal, f"{signal} is heard again")
     if before and before.get("design_hash") != after.get("design_hash"):
         yield Event(time, "design change", "", "another state of the design")

@@ -18,11 +18,12 @@ from robophm.report.outline import Label, More, Spare, names, outline, words
 from robophm.web.prepared_robot import PreparedRobot
 from robophm.web.shapes import Box, Drawing, Gate, Line, Unit
 
-MOST_BOXES = 400
+MOST_BOXES, MOST_PARTS = 400, 2000
+"""The most boxes of a level as it opens, and down to its parts."""
 _TITLE, _DETAIL = 13.0, 12.0  # font sizes
 _NARROWEST, _WIDEST = 120.0, 210.0
 _HEIGHT = 48.0
-_MANY, _BROADEST = 40, 20_000.0
+_MANY, _BROADEST = 12, 20_000.0
 
 
 def drawing(
@@ -42,7 +43,7 @@ def drawing(
     )  # fmt: skip
     if path in drawn.empty:
         return level
-    nodes = outline(module.diagram if whole and not drawn.wrong else module.wiring, MOST_BOXES)
+    nodes = outline(module.diagram if whole and not drawn.wrong else module.wiring, MOST_PARTS if whole else MOST_BOXES)
     places = Counter(units(module.diagram if whole else module.wiring)) | Counter(names(nodes))
     labels = _labels(prepared, drawn, [*names(nodes)], unit)
     wide = max([_NARROWEST, *(_needs(label) for label in labels.values())])

@@ -5,13 +5,24 @@ from __future__ import annotations
 import re
 import time
 
+import pytest
+
 from robophm.core.signal import SECOND
 
 from ..conftest import SMALL, serving
-from ..test_history import BEGIN, fill, lived
+from ..test_history import BEGIN, fill
 from ..test_honesty import fill as promised_and_noted
 
-__all__ = ["lived"]
+
+@pytest.fixture(scope="module")
+def lived(tmp_path_factory):
+    """The courier after 400 days, six reports a day."""
+    folder = tmp_path_factory.mktemp("lived")
+    design = folder / "courier.yaml"
+    design.write_text(SMALL)
+    fill(design, folder / "past.db", every=4)
+    with serving(design, seed=1, store=folder / "past.db") as served:
+        yield served
 
 
 def test_from_a_year_to_a_day_to_the_report_of_then(visit, lived):

@@ -6,6 +6,8 @@ import math
 
 import pytest
 
+from ..conftest import serving
+
 DRIVE, LIDAR, CAMERA = 18e-6, 30e-6, 90e-6  # hazard rates of the courier [1/h]
 
 
@@ -47,6 +49,47 @@ def test_a_level_of_many_parts_is_no_strip(small):
     drawn = small.get("/api/design/drawing", path="drive", width=450)
     assert len(drawn["boxes"]) == 200
     assert drawn["height"] <= drawn["width"]
+
+
+@pytest.fixture
+def large(tmp_path):
+    """A robot of 2,000 parts in 20 modules, of which the last fails a hundred times as often as any other."""
+    design = tmp_path / "large.yaml"
+    parts = "".join(f"      part {i}: {{rate: 1 FPMH}}\n" for i in range(100))
+    modules = "".join(f"  module {m}:\n    components:\n{parts}" for m in range(20))
+    before, _, rest = modules.rpartition("rate: 1 FPMH")
+    design.write_text(f"schema_version: 1\nname: large\nmodules:\n{before}rate: 2000 FPMH{rest}")
+    with serving(design) as served:
+        yield served
+
+
+def test_two_thousand_parts_are_tiles_from_afar_and_boxes_from_near(visit, large):
+    drawn = large.get("/api/design/drawing", whole=True, width=1200)
+    assert len(drawn["boxes"]) == 2000
+    assert 0.5 < drawn["width"] / drawn["height"] < 2
+    look = visit(large)
+    page = look.open("design")
+    page.get_by_label("down to the parts").check()
+    page.get_by_label("Coloured by").select_option("share")
+    tiles = page.locator(".tile")
+    page.locator(".tile.share-4").wait_for()  # half of all failures and more
+    assert tiles.count() == 2000
+    assert page.locator(".tile.share-0").count() == 1999
+    assert page.locator(".tiles text").all_text_contents() == [f"module {m}" for m in range(20)]
+    assert page.locator(".box").count() == 0
+    assert look.serious() == []
+    page.locator(".tile.share-4").click()
+    page.locator(".box.chosen", has_text="part 99").get_by_text("of failures").wait_for()
+    assert tiles.count() == 0
+    assert page.locator(".box").count() < 100  # what can be seen
+    page.get_by_role("heading", name="part 99").wait_for()
+    # what is found in the tree is gone to
+    page.get_by_placeholder("Find a part").fill("part 42")
+    page.get_by_role("treeitem", name="part 42").nth(6).click()
+    page.locator(".box.chosen", has_text="part 42").wait_for()
+    page.get_by_role("button", name="Fit View").click()
+    page.locator(".tile.chosen").wait_for()
+    assert look.wrong == []
 
 
 def test_a_block_beyond_its_limit_is_an_error(small):

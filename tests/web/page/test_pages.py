@@ -33,7 +33,7 @@ def ota(tmp_path_factory):
     with serving(design, seed=3) as served:
         served.post("/api/monitoring/start", {"source": "synthetic", "speed": 100})
         until = time.monotonic() + 60
-        while served.get("/api/health")["looks"] < 5 and time.monotonic() < until:
+        while served.get("/api/health")["looks"] < 2 and time.monotonic() < until:
             time.sleep(0.05)
         yield served
 

@@ -178,11 +178,11 @@ components:
   motor:
     rate: 8 FPMH
     acceleration: {model: q10, reference_temperature: 25 degC}
-    signals: {temperature: {topic: /motor, field: temperature, unit: degC}}
+    signals: {temperature: {topic: /motor, field: temperature, unit: degC, max_age: 30 s}}
   fan:
     rate: 8 FPMH
     acceleration: {model: q10, reference_temperature: 25 degC}
-    signals: {temperature: {topic: /fan, field: temperature, unit: degC}}
+    signals: {temperature: {topic: /fan, field: temperature, unit: degC, max_age: 30 s}}
 """
 
 
@@ -190,23 +190,25 @@ def test_silences_are_those_that_were_heard_and_lines_do_not_cross_a_night(tmp_p
     """Two hours, a night, an hour in which the fan's sensor dies; in every window, however few points are drawn."""
     design, table = tmp_path / "robot.yaml", tmp_path / "drive.csv"
     design.write_text(NIGHT)
-    begin, night, hour = 1_700_000_000, 9 * 3600, 3600
-    rows = [f"{begin + t},{30 + t % 7},{35 + t % 5}" for t in range(0, 2 * hour, 2)]
-    rows += [f"{begin + 2 * hour + night + t},{30 + t % 7},{35 if t < 600 else ''}" for t in range(0, hour, 2)]
+    begin, night, hour, every = 1_700_000_000, 9 * 3600, 3600, 20
+    rows = [f"{begin + t},{30 + t % 7},{35 + t % 5}" for t in range(0, 2 * hour, every)]
+    rows += [f"{begin + 2 * hour + night + t},{30 + t % 7},{35 if t < 600 else ''}" for t in range(0, hour, every)]
     table.write_text("\n".join(["time,/motor.temperature,/fan.temperature", *rows]) + "\n")
-    off, on = begin + 2 * hour - 2, begin + 2 * hour + night
+    off, on = begin + 2 * hour - every, begin + 2 * hour + night
     with serving(design, recordings=(table,)) as served:
         served.post("/api/monitoring/start", {"source": "recordings", "speed": 10_000})
         look = visit(served)
         page = look.open("live")
         page.get_by_text("Recording over").wait_for()
         board = served.service.monitoring.board
-        assert board.gaps("/motor.temperature") == [(off + 5, on)]
-        assert board.gaps("/fan.temperature") == [(off + 5, on), (on + 598 + 5, None)]
+        assert board.gaps("/motor.temperature") == [(off + 30, on)]
+        died = on + 600 - every
+        assert board.gaps("/fan.temperature") == [(off + 30, on), (died + 30, None)]
         assert board.gaps("reliability.nominal:") == [(off + 60, on)]
         # of all there is: the night, then the hour's rest without the fan; in eight hours, of which the night has the
         # first seven, and in one, that rest alone
-        truths = {"100000": (night - 5 + 2995) / (3 * hour + night), "28800": 2995 / hour, "3600": 2995 / hour}
+        dead = hour - 600 - 30
+        truths = {"100000": (night - 30 + dead) / (3 * hour + night), "28800": dead / hour, "3600": dead / hour}
         for window, truth in truths.items():
             page.get_by_label("Window").select_option(window)
             plot = page.get_by_role("region", name="Sensors in °C")
@@ -215,15 +217,15 @@ def test_silences_are_those_that_were_heard_and_lines_do_not_cross_a_night(tmp_p
                 share = plot.locator("canvas").evaluate(SHADED)
             assert share == pytest.approx(truth, abs=0.02), window
         # the fan was at 35 °C, ten above its reference, when its sensor died: it stays twice as fast as designed
-        died = f"rests on silence since {moment((on + 598) * SECOND)} of /fan.temperature"
-        hot = 8e-6 * 2 + 8e-6 * 2 ** ((30 + (hour - 2) % 7 - 25) / 10)
+        says = f"rests on silence since {moment(died * SECOND)} of /fan.temperature"
+        hot = 8e-6 * 2 + 8e-6 * 2 ** ((30 + (hour - every) % 7 - 25) / 10)
         found = served.get("/api/health")
         assert found["subjects"][0]["sensor_based"]["hazard_rate"] == pytest.approx(hot, rel=1e-12)
-        assert (found["state"], found["why"]) == ("stale", ["stale /fan.temperature", died])
-        assert died in served.client.get("/api/report").text
+        assert (found["state"], found["why"]) == ("stale", ["stale /fan.temperature", says])
+        assert says in served.client.get("/api/report").text
         page = look.open("overview")
         page.locator("main .state", has_text="STALE").first.wait_for()
-        page.locator(".trouble").get_by_text(died).wait_for()
+        page.locator(".trouble").get_by_text(says).wait_for()
         page.locator(".figure", has_text="Hazard rate").get_by_text(f"{hot:.3e}".replace("e-0", "e-")).wait_for()
         assert look.wrong == []
 

@@ -142,3 +142,26 @@ def test_what_was_not_applied_is_there_after_a_reload_and_told_of_before_it_is_l
     page.reload()
     page.get_by_role("button", name="Edit as text").wait_for()  # nothing is left to be shown
     assert asked == ["beforeunload"]
+
+
+def test_a_message_under_a_pointer_that_rests_is_that_of_the_newest_check(visit, courier):
+    """Also where a check was not answered: it is made again, and what was found before it stays."""
+    look = visit(courier)
+    page, _ = begin(look)
+    write(page, "camera: {rate", "\nlamp: {rate: 1 FP}")
+    page.keyboard.press("ArrowLeft")
+    wrong = page.locator(".cm-lintRange-error")
+    wrong.hover()
+    page.locator(".cm-diagnostic", has_text="unknown unit 'FP'").wait_for()
+    asked = []
+
+    def fail_once(route):
+        asked.append(route.request.post_data_json["text"])
+        route.fulfill(status=503, body="{}") if len(asked) == 1 else route.continue_()
+
+    page.route("**/api/design/check", fail_once)
+    page.keyboard.type("MHH")
+    page.locator(".cm-diagnostic", has_text="unknown unit 'FPMHH'").wait_for()
+    assert asked[0] == asked[1]
+    assert "1 FPMHH}" in asked[1]
+    look.wrong = [one for one in look.wrong if "status of 503" not in one]

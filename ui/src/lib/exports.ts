@@ -61,7 +61,7 @@ export function pngOf(canvas: HTMLCanvasElement, curves: Curve[], { title, xLabe
     pen.fillText(text, left, y);
   };
   write(`${title}  ${yLabel}`, line, colors.ink, 600);
-  curves.forEach((one, i) => write(`${one.dashed ? "╌╌" : "──"} ${one.name}`, (i + 2) * line, colors.of(one.color ?? i)));
+  curves.forEach((one, i) => write(`${one.dots ? "••" : one.dashed ? "╌╌" : "──"} ${one.name}`, (i + 2) * line, colors.of(one.color ?? i)));
   pen.drawImage(canvas, 0, (curves.length + 1.5) * line);
   write(xLabel, picture.height - line / 2, colors.ink);
   return new Promise((resolve) => picture.toBlob(resolve));
@@ -90,13 +90,13 @@ export function svgOf(curves: Curve[], { title, xLabel, yLabel, log, time = fals
           pen = false;
           return "";
         }
-        const step = `${pen ? "L" : "M"}${px(x)} ${py(at(y))}`;
+        const step = one.dots ? `M${px(x)} ${py(at(y))}h0` : `${pen ? "L" : "M"}${px(x)} ${py(at(y))}`;
         pen = true;
         return step;
       })
       .join("");
     const color = COLORS[(one.color ?? i) % 6];
-    return `<path d="${d}" fill="none" stroke="${color}" stroke-width="1.8"${one.dashed ? ' stroke-dasharray="6 4"' : ""}/><text x="${left + 10}" y="${top + 16 + 16 * i}" fill="${color}">${escaped(one.name)}</text>`;
+    return `<path d="${d}" fill="none" stroke="${color}" stroke-width="${one.dots ? 4 : 1.8}"${one.dots ? ' stroke-linecap="round"' : one.dashed ? ' stroke-dasharray="6 4"' : ""}/><text x="${left + 10}" y="${top + 16 + 16 * i}" fill="${color}">${escaped(one.name)}</text>`;
   });
   const bounds = limits.map(({ value, severity }) => {
     const color = severity === "error" ? "#b3261e" : "#8a6a00";

@@ -1,4 +1,4 @@
-import { type ReactNode, useEffect } from "react";
+import { type ReactNode, useEffect, useState } from "react";
 import type { Health, Shapes } from "../lib/api";
 import { useLimits } from "../lib/alarms";
 import { horizon, useHealth } from "../lib/health";
@@ -12,6 +12,7 @@ import { ICONS, State } from "../parts/Icon";
 import { ProblemList } from "../parts/Problems";
 import { Sparkline } from "../parts/Sparkline";
 import { Watching } from "../parts/Watching";
+import { WearPlot } from "../parts/WearPlot";
 import { Ranges } from "./overview/Ranges";
 
 export const page = { name: "Overview", icon: ICONS.pulse, order: 10 };
@@ -138,7 +139,7 @@ function Figures({ health }: { health: Health }): ReactNode {
       </section>
       {health.notes.length > 0 && (
         <section className="card" style={{ marginTop: 16 }}>
-          <h2>What was not taken</h2>
+          <h2>Notes</h2>
           {health.notes.map((note) => (
             <p key={note}>{note}</p>
           ))}
@@ -247,8 +248,11 @@ function Sensors({ sensors, idle }: { sensors: Shapes["Freshness"][]; idle: bool
 
 /** Which parts sensors see wear, and when they reach their thresholds: sensor-based figures have it in the place of their hazard. */
 function Wear({ parts }: { parts: Shapes["WornPart"][] }): ReactNode {
+  const [mode, setMode] = useState("");
+  const shown = parts.find((one) => one.mode === mode) ?? parts[0]!;
   return (
-    <div className="scroll" tabIndex={0} role="region" aria-label="Seen to wear">
+    <>
+    <div className="scroll stacked" tabIndex={0} role="region" aria-label="Seen to wear">
       <table>
         <thead>
           <tr>
@@ -265,15 +269,25 @@ function Wear({ parts }: { parts: Shapes["WornPart"][] }): ReactNode {
               <th scope="row">
                 <a href={`#/design/${encodeURI(one.part)}`}>{one.mode}</a>
               </th>
-              <td>{one.signal}</td>
-              <td className="number">{one.last == null ? "–" : numberText(one.last)}</td>
-              <td className="number">{numberText(one.threshold)}</td>
-              <td>{one.critical || one.alarm ? <span className={`state ${one.state === "reached" ? "error" : "warn"}`}>{one.says}</span> : one.says}</td>
+              <td data-label="Signal">
+                {parts.length > 1 ? (
+                  <button className={one === shown ? "primary" : undefined} aria-pressed={one === shown} onClick={() => setMode(one.mode)}>
+                    {one.signal}
+                  </button>
+                ) : (
+                  one.signal
+                )}
+              </td>
+              <td className="number" data-label="Last reading">{one.last == null ? "–" : numberText(one.last)}</td>
+              <td className="number" data-label="Threshold">{numberText(one.threshold)}</td>
+              <td data-label="What it says">{one.critical || one.alarm ? <span className={`state ${one.state === "reached" ? "error" : "warn"}`}>{one.says}</span> : one.says}</td>
             </tr>
           ))}
         </tbody>
       </table>
     </div>
+    <WearPlot one={shown} />
+    </>
   );
 }
 

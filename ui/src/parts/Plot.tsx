@@ -14,6 +14,9 @@ export interface Curve {
   /** By habit nominal is solid, sensor-based dashed. */
   dashed?: boolean;
   color?: number;
+  /** Each point is a dot, and no line leads from one to the next. */
+  dots?: boolean;
+  thick?: boolean;
 }
 
 export interface PlotProps {
@@ -37,6 +40,8 @@ export interface PlotProps {
   pick?: (x: number) => void;
   /** Limits of what is drawn: a line each, where it is in sight; said in words wherever it is. */
   limits?: Limit[];
+  /** Two curves with the same x, by their places, between which the plot is filled. */
+  band?: [number, number];
   empty?: string;
   children?: ReactNode;
 }
@@ -62,7 +67,7 @@ function joined(curves: Curve[], log: boolean): AlignedData {
   return uPlot.join(curves.map((one) => [one.x, sound(one.y)] as AlignedData));
 }
 
-export function Plot({ title, curves, xLabel, yLabel, time, log = false, height = 230, gaps, limits, marks, at, zoomTo, pick, empty, children }: PlotProps): ReactNode {
+export function Plot({ title, curves, xLabel, yLabel, time, log = false, height = 230, gaps, limits, band, marks, at, zoomTo, pick, empty, children }: PlotProps): ReactNode {
   const box = useRef<HTMLDivElement>(null);
   const under = useRef<HTMLSpanElement>(null);
   const plot = useRef<uPlot | null>(null);
@@ -82,7 +87,7 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
   const words = useRef({ text: "", at: 0, of: "" });
   const some = curves.some((one) => one.x.length);
   const seen = useSeen(box, some);
-  const shape = curves.map((one) => `${one.name}|${one.dashed}|${one.color}`).join("\n");
+  const shape = curves.map((one) => `${one.name}|${one.dashed}|${one.color}|${one.dots}`).join("\n");
 
   useEffect(() => {
     const host = box.current;
@@ -107,11 +112,12 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
           ...curves.map((one, i) => ({
             label: one.name,
             stroke: css(`--c${(one.color ?? i) % 6}`),
-            width: curves.length > MANY ? 1 : 2,
+            width: one.thick ? 6 : curves.length > MANY ? 1 : 2,
             dash: one.dashed ? DASH : undefined,
-            points: { show: false, filter: (u: uPlot, i: number) => alone(u.data[i]!) },
+            ...(one.dots ? { paths: () => null, points: { show: true, size: 5, fill: css(`--c${(one.color ?? i) % 6}`) } } : { points: { show: false, filter: (u: uPlot, i: number) => alone(u.data[i]!) } }),
           })),
         ],
+        bands: band && [{ series: [band[0] + 1, band[1] + 1], fill: css("--hatch") }],
         hooks: {
           ready: [
             (u) => {
@@ -271,7 +277,7 @@ function Legend({ curves }: { curves: Curve[] }): ReactNode {
       {curves.map((one, i) => (
         <span key={one.name}>
           <svg viewBox="0 0 26 8">
-            <path d="M0 4h26" stroke={`var(--c${(one.color ?? i) % 6})`} strokeWidth="2.5" strokeDasharray={one.dashed ? "6 4" : undefined} />
+            <path d="M0 4h26" stroke={`var(--c${(one.color ?? i) % 6})`} strokeWidth={one.dots ? 5 : 2.5} strokeDasharray={one.dots ? "0.1 10" : one.dashed ? "6 4" : undefined} strokeLinecap={one.dots ? "round" : undefined} />
           </svg>
           {one.name}
         </span>

@@ -99,7 +99,7 @@ def import_parts(
 
     ``columns`` say what a header means, where it is not what was found: 'part_number=Manufacturer number'.
     """
-    from robophm.design.importers.bom import import_bom
+    from robophm.design.importers.bom import assumed_inputs, import_bom
     from robophm.design.importers.bom.columns import FIELDS, ColumnMapping
 
     said = dict(pair.partition("=")[::2] for pair in columns or ())
@@ -122,6 +122,7 @@ def import_parts(
         [
             one.part.name, str(one.part.quantity), one.rating.by if one.rating else "–",
             rate_text(one.hazard_rate) if one.hazard_rate is not None else "to be rated by hand",
+            ", ".join(f"{name.replace('_', ' ')} {value}" for (name, (value,)) in assumed_inputs([one]).items()),
             one.outcome.state,
         ]
         for one in found.parts
@@ -129,7 +130,8 @@ def import_parts(
     table = found.parts_list.table
     kept = [f"{one.name}: {one.state} {one.text}".strip() for one in found.removed]
     return Imported(
-        text=found.text, findings=kept, columns=["part", "quantity", "model", "rate of one", "what"], rows=rows,
+        text=found.text, findings=kept, rows=rows,
+        columns=["part", "quantity", "model", "rate of one", "assumed", "what"],
         mapping={column.field: column.header for column in table.columns}, unused=list(table.unused),
         fields=list(FIELDS),
     )  # fmt: skip

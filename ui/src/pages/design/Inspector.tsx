@@ -1,17 +1,20 @@
 import { type ReactNode, useEffect, useState } from "react";
 import { type DesignState, get, type Operation, type Shapes } from "../../lib/api";
+import { useHealth } from "../../lib/health";
 import { edit, go, useUnit } from "../../lib/store";
 import { change, isValues, type Part } from "../../lib/tree";
 import { durationText, marked, rateText } from "../../lib/words";
 import { Check, Entry, Select } from "../../parts/Field";
 import { OnlyFor } from "../../parts/OnlyFor";
 import { ProblemsHere } from "../../parts/Problems";
+import { WearPlot } from "../../parts/WearPlot";
 import { Life } from "./Life";
 import { RateOf } from "./RateOf";
 
 /** All that can be said of one part, a module or the robot. */
 export function Inspector({ part, several, design, editText }: { part: Part; several: number; design: DesignState; editText: () => void }): ReactNode {
   const unit = useUnit();
+  const { health } = useHealth();
   const figures = design.levels[part.path];
   const problems = design.problems.filter((one) => part.place.every((key, i) => one.place[i] === key) && one.place.length >= part.place.length);
   const mine = part.kind === "component" ? problems : problems.filter((one) => !["modules", "components"].includes(one.place[part.place.length] ?? ""));
@@ -43,6 +46,7 @@ export function Inspector({ part, several, design, editText }: { part: Part; sev
         </p>
       )}
       {mine.length > 0 && <ProblemsHere problems={mine} />}
+      {health?.wear.filter((one) => one.part === part.path).map((one) => <WearPlot key={one.mode} one={one} />)}
       <OnlyFor role="editor">
         <Entry label="Description" value={text("description")} set={(value) => put(["description"], value, `Describe ${part.name}`)} />
         {part.kind === "component" ? <OfComponent part={part} put={put} /> : <OfLevel part={part} put={put} />}

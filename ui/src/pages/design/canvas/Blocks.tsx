@@ -8,6 +8,7 @@ import { rateText } from "../../../lib/words";
 import { move } from "../moving";
 import { colouring, Legend, markOf, useCondition, useConditions, Value } from "./condition";
 import { type Drag, dropped, stem, targetAt } from "./dragging";
+import { MANY, TilesView, type TilesNode } from "./Tiles";
 
 type Box = Shapes["Box"];
 type BoxNode = Node<{ box: Box; chosen: boolean; mark: string; open: (path: string) => void }, "box">;
@@ -17,6 +18,7 @@ type WiresNode = Node<{ drawing: Shapes["Drawing"] }, "wires">;
 const NO_EDGES: Edge[] = [];
 const GATE = 34;
 const FAR = 0.5; // zoomed out beyond this, values are too small to be read, and names stand larger
+const FARTHER = 0.35; // and of many boxes so are names: each is a tile
 
 function BoxView({ data }: NodeProps<BoxNode>): ReactNode {
   const { box } = data;
@@ -99,7 +101,7 @@ function Mistakes({ drawing }: { drawing: Shapes["Drawing"] }): ReactNode {
   );
 }
 
-const TYPES: NodeTypes = { box: BoxView, gate: GateView, wires: WiresView };
+const TYPES: NodeTypes = { box: BoxView, gate: GateView, wires: WiresView, tiles: TilesView };
 
 interface Props {
   level: string;
@@ -122,6 +124,8 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
   const [width, setWidth] = useState(0);
   const [drag, setDrag] = useState<Drag | null>(null);
   const far = useStore((state) => state.transform[2] < FAR);
+  const farther = useStore((state) => state.transform[2] < FARTHER);
+  const tiled = farther && !!drawing && drawing.boxes.length > MANY;
   useConditions(level, whole);
 
   useEffect(() => {
@@ -156,12 +160,27 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
     else requestAnimationFrame(() => void flow.fitView({ padding: 0.06, maxZoom: 1.15 }).then(() => setFitted(drawing)));
   }, [drawing, flow]);
 
-  const nodes = useMemo<Node[]>(() => {
+  // a part of many that was found elsewhere, as in the tree, is gone to
+  const sought = chosen.length === 1 && drawing && drawing.boxes.length > MANY ? drawing.boxes.find((box) => box.part && stem(box.part) === chosen[0]) : undefined;
+  useEffect(() => {
+    if (!sought || fitted !== drawing || !host.current) return;
+    const { x, y, zoom } = flow.getViewport();
+    const [left, top] = [sought.x * zoom + x, sought.y * zoom + y];
+    if (zoom < FAR || left < 0 || top < 0 || left + sought.width * zoom > host.current.clientWidth || top + sought.height * zoom > host.current.clientHeight)
+      void flow.setCenter(sought.x + sought.width / 2, sought.y + sought.height / 2, { zoom: 1 });
+  }, [chosen, sought?.part, fitted]);
+
+  const laid = useMemo<Node[]>(() => {
     if (!drawing) return [];
     const common = { draggable: false, connectable: false, deletable: false };
     const found: Node[] = [
       { ...common, id: "wires", type: "wires", position: { x: 0, y: 0 }, width: drawing.width, height: drawing.height, data: { drawing }, selectable: false, focusable: false, zIndex: 0, style: { pointerEvents: "none" } },
     ];
+    if (tiled) {
+      const data: TilesNode["data"] = { boxes: drawing.boxes, width: drawing.width, level, chosen, choose: (path) => choose([path]) };
+      found.push({ ...common, id: "tiles", type: "tiles", position: { x: 0, y: 0 }, width: drawing.width, height: drawing.height, data, selectable: false, focusable: false, zIndex: 1 });
+      return found;
+    }
     drawing.boxes.forEach((box, i) =>
       found.push({
         ...common,
@@ -182,7 +201,9 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
       found.push({ ...common, id: `gate ${i}`, type: "gate", position: { x: gate.x, y: gate.y - GATE / 2 }, width: gate.width, height: GATE, data: { gate, mark: "" }, selectable: false, focusable: false, zIndex: 1 }),
     );
     return found;
-  }, [drawing, chosen, open, level, whole, busy]);
+  }, [drawing, chosen, choose, open, level, whole, busy, tiled]);
+  // those out of sight are never measured, and nothing could be fitted into view
+  const nodes = useMemo(() => laid.map((one) => ({ ...one, measured: { width: one.width, height: one.height } })), [laid]);
 
   const shown = useMemo(() => {
     if (!drag) return nodes;

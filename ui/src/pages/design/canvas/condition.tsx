@@ -51,6 +51,9 @@ export function useCondition(path: string): Condition | undefined {
   return useSyncExternalStore(conditions.listen, () => conditions.get().blocks.get(path));
 }
 
+/** The conditions of all blocks of the level that is shown, by path. */
+export const useBlocks = (): Map<string, Condition> => useShared(conditions).blocks;
+
 const classOf = (share: number): number => CLASSES.filter((from) => share >= from).length;
 const percent = (share: number): string => (share > 0 && share < 0.001 ? "< 0.1 %" : `${numberText(100 * share, 3)} %`);
 

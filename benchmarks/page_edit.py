@@ -1,0 +1,82 @@
+"""From a key to the new figures: a value is edited in a design of 2,000 parts, on the page in Chromium.
+
+``python -m benchmarks.page_edit [EDITS]`` (fifteen edits take half a minute): the time from Enter in the inspector
+until the robot's hazard rate in the tree has changed, as the browser's clock has it, and what the service and the
+browser's processes took of the processor from one to the other.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import statistics
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from benchmarks.page_live import FLAGS, processes, running, taken
+
+MODULES, PARTS = 40, 50
+CHANGED = """() => new Promise((resolve) => {
+  const robot = document.querySelector('[role=treeitem] .rate');
+  const before = robot.textContent;
+  addEventListener("keydown", (event) => {
+    if (event.key !== "Enter") return;
+    const begun = performance.now();
+    const look = () => robot.textContent === before ? requestAnimationFrame(look) : resolve(performance.now() - begun);
+    look();
+  }, {once: true, capture: true});
+})"""
+
+
+def write_design(path: Path) -> None:
+    """Forty modules of fifty parts, all in series."""
+    parts = "".join(f"      part {i}: {{rate: {1 + i % 7} FPMH}}\n" for i in range(PARTS))
+    modules = "".join(f"  module {m}:\n    components:\n{parts}" for m in range(MODULES))
+    path.write_text(f"schema_version: 1\nname: large\nmodules:\n{modules}")
+
+
+def edited(page: Any, value: str) -> float:
+    """The time that an edit took until its figures were shown [ms]."""
+    page.evaluate(f"() => {{ window.took = ({CHANGED})() }}")
+    field = page.get_by_label("Stated rate of one")
+    field.fill(value)
+    field.press("Enter")
+    took = page.evaluate("() => window.took")
+    page.locator(".canvas[aria-busy=false]").wait_for()
+    return float(took)
+
+
+def main(edits: int = 15) -> int:
+    from playwright.sync_api import sync_playwright
+
+    with tempfile.TemporaryDirectory() as name, sync_playwright() as playwright:
+        design = Path(name) / "large.yaml"
+        write_design(design)
+        serve = ("-m", "robophm", "serve", str(design), "--port", "8793")
+        with running(*serve, ready="http") as (service, _):
+            before = processes(os.getpid())
+            browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+            page = browser.new_context(viewport={"width": 1440, "height": 900}).new_page()
+            page.goto("http://127.0.0.1:8793/#/design/module%203/part%207")
+            page.locator(".canvas[aria-busy=false]").wait_for()
+            mine = processes(os.getpid()) - before - processes(service.pid)
+            for i in range(2):
+                edited(page, f"{20 + i} FPMH")
+            serving, browsing = taken({service.pid}), taken(mine)
+            times = sorted(edited(page, f"{30 + i} FPMH") for i in range(edits))
+            serving, browsing = (
+                (after - at) / edits for after, at in ((taken({service.pid}), serving), (taken(mine), browsing))
+            )
+            browser.close()
+    middle, least, most = (f"{one:.0f} ms" for one in (statistics.median(times), times[0], times[-1]))
+    print(f"edit of {MODULES * PARTS} parts: {middle} to the new figures, {least} to {most}")
+    print(
+        f"processor for each, all that the page then asks included: service {serving:.2f} s, browser {browsing:.2f} s"
+    )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*map(int, sys.argv[1:2])))

@@ -1,0 +1,64 @@
+"""What was stopped is not called well, what an import assumed is shown, and rounding is no advice."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from ..conftest import SMALL, serving
+
+WATCHED = SMALL.replace("    diagram: {parallel: [lidar, camera]}\n", "").replace(
+    "{quantity: 2, rate: 8 FPMH}",
+    "{quantity: 2, rate: 8 FPMH, signals: {temperature: {topic: /motor, field: temperature, unit: degC}}}",
+)
+BOARD = """\
+Reference,Value,Footprint,Qty
+R1 R2,10k,R_0603_1608Metric,2
+X9,thing,,1
+"""
+
+
+@pytest.fixture(scope="module")
+def courier(tmp_path_factory):
+    """A courier with a limit, and an hour of its motor's temperature."""
+    folder = tmp_path_factory.mktemp("courier")
+    design, table = folder / "courier.yaml", folder / "drive.csv"
+    design.write_text(f"{WATCHED}thresholds: {{reliability: 0.5}}\n")
+    table.write_text("time,/motor.temperature\n" + "".join(f"{1_700_000_000 + t},25\n" for t in range(3600)))
+    with serving(design, recordings=(table,)) as served:
+        yield served
+
+
+def test_what_was_stopped_is_not_called_well(courier, visit):
+    courier.post("/api/monitoring/start", {"source": "recordings", "speed": 1})
+    look = visit(courier)
+    page = look.open("overview")
+    well = page.get_by_role("link", name="Health: OK")
+    well.wait_for()
+    assert page.locator("main .state.ok").count() > 0
+    page.get_by_role("button", name="Stop").click()
+    well.wait_for(state="detached")
+    page.get_by_role("button", name="Start analysis").wait_for()
+    assert page.locator(".state.ok").count() == 0
+    assert courier.get("/api/health")["state"] == "idle"
+    assert look.wrong == []
+
+
+def test_what_an_import_assumes_is_shown_before_it_is_made(courier, visit, tmp_path):
+    (tmp_path / "board.csv").write_text(BOARD)
+    look = visit(courier)
+    page = look.open("parts/import")
+    page.get_by_label("Choose a parts list").set_input_files(str(tmp_path / "board.csv"))
+    row = page.get_by_role("row", name="R1, R2")
+    row.get_by_text("power 0.05 W, rated power 0.1 W, temperature 40 degC").wait_for()  # half the load of a 0603
+    page.get_by_role("row", name="X9").get_by_text("to be rated by hand").wait_for()
+    assert look.serious() == []
+    assert courier.get("/api/design")["undo"] is None  # nothing is changed
+
+
+def test_rounding_is_no_advice(courier):
+    """Parts of constant rates are as good as new: to replace one gains nothing, and no 1.7e-15 h either."""
+    report = courier.client.get("/api/report").text
+    assert "Nothing gains by being replaced" in report
+    assert not re.search(r"[+−-]\s?\d(\.\d+)?e-1\d", report)
