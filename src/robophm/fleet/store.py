@@ -92,6 +92,10 @@ class FleetStore:
         rows = self.rows("SELECT name FROM robot WHERE token = ?", (_digest(token),))
         return rows[0][0] if rows else None
 
+    def knows(self, robot: str) -> bool:
+        """Return whether there is a robot of that name. Raises StoreError."""
+        return bool(self.rows("SELECT 1 FROM robot WHERE name = ?", (robot,)))
+
     def rows(self, query: str, values: Sequence[Any] = ()) -> list[tuple[Any, ...]]:
         """Return the rows of a query. Raises StoreError."""
         with self._errors(), self._turn:
