@@ -74,7 +74,7 @@ def test_robots_that_really_fail_report_over_the_wire(fleet, store, tmp_path):
 
 
 def test_a_service_that_is_not_there_is_said(store, tmp_path):
-    answer = said("--store", store.path, "--fleet", "http://127.0.0.1:9", "--robots", 1, "--tasks", 1, code=1)
+    answer = said("--store", store.place, "--fleet", "http://127.0.0.1:9", "--robots", 1, "--tasks", 1, code=1)
     assert "fleet http://127.0.0.1:9: is not reached" in answer
-    assert "expected a second or more" in said("--store", store.path, "--fleet", "http://127.0.0.1:9", "--every", "0 s",
-                                               code=1)  # fmt: skip
+    words = "--store", store.place, "--fleet", "http://127.0.0.1:9", "--every", "0 s"
+    assert "expected a second or more" in said(*words, code=1)

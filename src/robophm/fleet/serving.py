@@ -17,7 +17,8 @@ from robophm.web.serving import Place, heeding, serve_app
 class FleetSettings:
     """The settings that the service was started with."""
 
-    store: Path
+    store: str | Path
+    """The path of a SQLite file, or the address of a PostgreSQL database."""
     host: str = "127.0.0.1"
     port: int = 0
     certificate: Path | None = None
@@ -37,7 +38,8 @@ def serve_fleet(settings: FleetSettings, ready: Callable[[str, str, Callable[[],
     with heeding() as wish, FleetStore(settings.store, make=True) as store:
         certificate = settings.certificate
         if not (certificate or proxies or is_loopback(settings.host)):
-            certificate = own_certificate(settings.store.with_name(f"{settings.store.name}.pem"), settings.host)
+            beside = "robophm-fleet" if "://" in str(settings.store) else settings.store  # a database has no folder
+            certificate = own_certificate(Path(f"{beside}.pem"), settings.host)
 
         def begun(address: str) -> None:
             ready(address, fingerprint(certificate) if certificate else "", wish.stop)
