@@ -98,7 +98,8 @@ class PostgresqlEngine(Engine):
         with self._errors(), self._reading:
             if self._reader is None or self._reader.closed:
                 self._reader = self._connected()
-            return self._reader.execute(_words(query), values).fetchall()
+            found: list[Row] = self._reader.execute(_words(query), values).fetchall()
+        return found
 
     @contextmanager
     def transaction(self) -> Iterator[None]:
@@ -112,7 +113,8 @@ class PostgresqlEngine(Engine):
 
     def ask(self, query: str, values: Sequence[Any] = ()) -> list[Row]:
         """Return the rows of a query, or of a statement that returns some, within the transaction."""
-        return self._writer.execute(_words(query), values).fetchall()
+        found: list[Row] = self._writer.execute(_words(query), values).fetchall()
+        return found
 
     def hold(self, robots: Sequence[str]) -> None:
         """Have whoever else writes of these robots wait until the transaction is over."""
