@@ -19,7 +19,7 @@ class Table(NamedTuple):
     """Name and type of each, as SQLite names types; ``NULL`` behind the type of those that may have no value."""
     key: tuple[str, ...]
     kept: str = "DO NOTHING"
-    """What is done then, as SQL says it behind ON CONFLICT."""
+    """The SQL behind ON CONFLICT, of what is done then."""
 
     @property
     def names(self) -> list[str]:

@@ -1,4 +1,4 @@
-"""What a fleet's store asks of the engine that keeps its tables."""
+"""The engine that keeps the tables of a fleet, as the fleet's store asks it."""
 
 from __future__ import annotations
 
