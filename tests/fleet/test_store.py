@@ -10,7 +10,7 @@ from contextlib import closing
 from importlib import import_module
 
 import pytest
-from tests.fleet.postgresql_server import missing, running
+from tests.fleet.postgresql_server import missing
 
 from robophm.core.errors import RobophmError, StoreError
 from robophm.fleet.engines import sqlite
@@ -22,27 +22,6 @@ from robophm.stores.outbox import COLUMNS
 
 postgresql = None if missing() else import_module("robophm.fleet.engines.postgresql")
 A, B = "a" * 16, "b" * 16
-
-
-@pytest.fixture(scope="session")
-def server():
-    """A PostgreSQL of these tests, begun where one is asked for."""
-    if why := missing():
-        pytest.skip(why)
-    with running("fsync=off") as begun:
-        yield begun
-
-
-@pytest.fixture(params=["sqlite", "postgresql"])
-def address(request, tmp_path):
-    """The place of a store that is not there yet, in each engine."""
-    if request.param == "sqlite":
-        return str(tmp_path / "fleet.db")
-    found = request.getfixturevalue("server").address
-    psycopg = pytest.importorskip("psycopg")
-    with psycopg.connect(found, autocommit=True) as base:
-        base.execute("DROP SCHEMA IF EXISTS robophm_fleet CASCADE")
-    return found
 
 
 @pytest.fixture

@@ -12,7 +12,8 @@ from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response
-from starlette.routing import Route
+from starlette.routing import Mount, Route
+from starlette.types import ASGIApp
 
 from robophm.core.errors import DataError, StoreError
 from robophm.fleet.commit import Committed
@@ -27,8 +28,8 @@ COUNTS_KEPT_EVERY = 1.0
 _log = logging.getLogger("robophm")
 
 
-def create_app(store: FleetStore) -> Starlette:
-    """Return the service of a fleet, to be run on any ASGI server."""
+def create_app(store: FleetStore, page: ASGIApp) -> Starlette:
+    """Return the service of a fleet, to be run on any ASGI server; ``page`` answers all that is not for robots."""
     reports = _Reports(store)
 
     @asynccontextmanager
@@ -42,6 +43,7 @@ def create_app(store: FleetStore) -> Starlette:
     routes = [
         Route("/healthz", _alive),
         Route("/robots/{robot}/reports", reports.take, methods=["POST"]),
+        Mount("/", page),
     ]
     return Starlette(routes=routes, lifespan=lifespan, exception_handlers={HTTPException: _http, Exception: _our_fault})
 
