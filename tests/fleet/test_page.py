@@ -13,7 +13,7 @@ import pytest
 from tests.fleet.conftest import serving
 from tests.web.page.conftest import Visit, browser
 
-from robophm.fleet.page.listing import DAY, Asked, count, groups, lines
+from robophm.fleet.page.listing import DAY, Asked, count, groups, lines, totals
 from robophm.fleet.payload import Ahead, Payload, PresentState, Report
 from robophm.fleet.store import FleetStore
 from robophm.stores.outbox import BOUNDS, COLUMNS
@@ -92,9 +92,12 @@ def test_lists_are_those_of_plain_python(kept):
         expected = [one.name for one in known if holds(one)]
         assert [one.robot for one in lines(kept, Asked(search=search), 0, 1000)] == expected
         assert count(kept, Asked(search=search)) == len(expected)
-    for asked, holds in ((Asked(design="Cart %_!"), lambda one: one.design == "Cart %_!"),
-                         (Asked(site=""), lambda one: one.site is None),
-                         (Asked(design="", site="Kiel"), lambda one: (one.design, one.site) == (None, "Kiel"))):  # fmt: skip
+    filters = {
+        Asked(design="Cart %_!"): lambda one: one.design == "Cart %_!",
+        Asked(site=""): lambda one: one.site is None,
+        Asked(design="", site="Kiel"): lambda one: (one.design, one.site) == (None, "Kiel"),
+    }
+    for asked, holds in filters.items():
         expected = [one.name for one in known if holds(one)]
         assert expected
         assert [one.robot for one in lines(kept, asked, 0, 1000)] == expected
@@ -103,6 +106,8 @@ def test_lists_are_those_of_plain_python(kept):
 def test_groups_are_sums_over_all_robots(kept):
     told = [*filled(kept, 40, seed=2), Told("r", None, None, None, None)]
     never = {name for (name,) in kept.rows("SELECT name FROM robot WHERE number NOT IN (SELECT robot FROM heard)")}
+    chances = [one.chance for one in told if one.chance is not None]
+    assert totals(kept, 168.0, time.time_ns() - 10**12) == (len(told), len(chances), len(never))
     for by in ("design", "site"):
         found = {one.name: one for one in groups(kept, by, 168.0, time.time_ns() - 10**12)}
         assert found.keys() == {getattr(one, by) for one in told}
@@ -177,9 +182,10 @@ def test_a_person_finds_which_fail_first_and_why(fleet, store, browser):
     assert visit.serious() == []
 
     page.get_by_role("link", name="Next").click()
-    assert "101 to" in page.inner_text("main nav")
+    assert "101 to" in page.get_by_label("Pages of the list").inner_text()
     page.goto(fleet.address)
-    page.get_by_text("By design").click()
+    page.get_by_role("link", name="By design").click()
+    assert visit.serious() == []
     page.get_by_role("link", name="arm 1").click()
     expected = 1 + sum(one.design == "arm 1" and one.chance is not None for one in told)
     assert page.inner_text("main h2").startswith(f"{expected} robots, design arm 1")

@@ -13,8 +13,8 @@ from starlette.middleware.gzip import GZipMiddleware
 
 from robophm.core.errors import RobophmError
 from robophm.core.signal import HOUR
-from robophm.fleet.page.listing import Asked, Order, count, groups, lines
-from robophm.fleet.page.views import AT_ONCE, Epoch, Fleet, Robot, fleet_page, robot_page, silent_since
+from robophm.fleet.page.listing import Asked, Order, count, groups, lines, totals
+from robophm.fleet.page.views import AT_ONCE, Epoch, Fleet, Robot, fleet_page, groups_page, robot_page, silent_since
 from robophm.fleet.payload import Ahead
 from robophm.fleet.questions import RobotHistory, history, present, refused_of_nobody, status
 from robophm.fleet.store import FleetStore
@@ -43,6 +43,7 @@ def page_app(store: FleetStore, beside: Path, host: str, proxies: Proxies) -> Fa
     app.include_router(access.router)
     pages = _Pages(store)
     app.add_api_route("/", pages.fleet, response_class=HTMLResponse)
+    app.add_api_route("/groups", pages.groups, response_class=HTMLResponse)
     app.add_api_route("/robot", pages.robot, response_class=HTMLResponse)
     app.add_exception_handler(RequestValidationError, _misspelt)
     app.add_exception_handler(RobophmError, _refused)
@@ -64,10 +65,15 @@ class _Pages:
     ) -> HTMLResponse:  # fmt: skip
         """The list."""
         store, now, asked = self._store, time.time_ns(), Asked(float(horizon), order, search.strip(), design, site)
-        since = silent_since(now)
-        by = {name: groups(store, name, asked.horizon, since) for name in ("design", "site")}
-        found = lines(store, asked, start, AT_ONCE)
-        return _answer(fleet_page(Fleet(asked, start, found, count(store, asked), by, refused_of_nobody(store), now)))
+        found, of = lines(store, asked, start, AT_ONCE), count(store, asked)
+        all_of_them = totals(store, asked.horizon, silent_since(now))
+        return _answer(fleet_page(Fleet(asked, start, found, of, all_of_them, refused_of_nobody(store), now)))
+
+    def groups(self, by: Literal["design", "site"], horizon: Horizon = "168") -> HTMLResponse:
+        """All robots by design or site."""
+        now = time.time_ns()
+        found = groups(self._store, by, float(horizon), silent_since(now))
+        return _answer(groups_page(by, found, float(horizon), now))
 
     def robot(self, name: Annotated[str, Query(max_length=100)]) -> HTMLResponse:
         """One robot."""

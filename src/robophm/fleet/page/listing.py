@@ -85,10 +85,20 @@ class Group(NamedTuple):
     """Number of those that were not heard since a moment, or never."""
 
 
-def _tables(at: int) -> str:
+class Totals(NamedTuple):
+    """Numbers of robots in the whole fleet."""
+
+    robots: int
+    known: int
+    """Number of those whose probability of failing within a horizon is known."""
+    silent: int
+    """Number of those that were not heard since a moment, or never."""
+
+
+def _tables(at: int, newest: str = "newest") -> str:
     """All that is known of each robot; ``newest`` comes first, so that its order by probability is gone along."""
     return (
-        "FROM newest CROSS JOIN robot LEFT JOIN present ON present.robot = newest.robot "
+        f"FROM {newest} CROSS JOIN robot LEFT JOIN present ON present.robot = newest.robot "
         "LEFT JOIN heard ON heard.robot = newest.robot LEFT JOIN day ON day.robot = newest.robot AND day.day = "
         f"(SELECT max(d.day) FROM day AS d WHERE d.robot = newest.robot AND d.chance_{at} IS NOT NULL AND d.day "
         f"BETWEEN newest.time / {DAY} - {WEEK_BEFORE[1]} AND newest.time / {DAY} - {WEEK_BEFORE[0]}) "
@@ -132,11 +142,18 @@ def lines(store: FleetStore, asked: Asked, start: int, most: int) -> list[Line]:
     """Return some of the robots that are asked for, from a place in their order on. Raises StoreError."""
     at = HORIZONS.index(asked.horizon)
     source, values, order = _source(asked)
+    some = [*values, most, start]
+    limit = " LIMIT ? OFFSET ?"
+    if asked == Asked(asked.horizon):  # then the index alone knows which these are, however far behind
+        source, limit = (
+            _tables(at, f"(SELECT * FROM newest WHERE chance_{at} IS NOT NULL ORDER BY {order}{limit}) AS newest"),
+            "",
+        )
     before = "NULL, NULL" if asked.order == "unknown" else f"day.chance_{at}, day.time"
     rows = store.rows(
         "SELECT robot.name, robot.site, present.design, newest.robot, newest.epoch, newest.seq, newest.time, "
         f"newest.figures, newest.chance_{at}, {before}, CASE WHEN present.time = newest.time THEN present.ahead END, "
-        f"heard.time, clock_ahead {source} ORDER BY {order} LIMIT ? OFFSET ?", [*values, most, start],
+        f"heard.time, clock_ahead {source} ORDER BY {order}{limit}", some,
     )  # fmt: skip
     return [_line(asked.horizon, row) for row in rows]
 
@@ -155,9 +172,22 @@ def _line(horizon: float, row: Sequence[Any]) -> Line:
 
 def count(store: FleetStore, asked: Asked) -> int:
     """Return how many robots are asked for. Raises StoreError."""
+    if asked == Asked(asked.horizon):
+        return totals(store, asked.horizon, 0).known
     source, values, _ = _source(asked)
     number: int = store.rows(f"SELECT count(*) {source}", values)[0][0]
     return number
+
+
+def totals(store: FleetStore, horizon: float, since: int) -> Totals:
+    """Return the numbers of all robots; those are silent that were not heard since a time [ns since the epoch].
+
+    Raises StoreError.
+    """
+    known = f"SELECT count(*) FROM newest WHERE chance_{HORIZONS.index(horizon)} IS NOT NULL"
+    heard = "SELECT count(*) FROM heard WHERE time >= ?"
+    ((robots, told, recent),) = store.rows(f"SELECT (SELECT count(*) FROM robot), ({known}), ({heard})", [since])
+    return Totals(robots, told, robots - recent)
 
 
 def groups(store: FleetStore, by: Literal["design", "site"], horizon: float, since: int) -> list[Group]:

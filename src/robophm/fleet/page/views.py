@@ -10,7 +10,7 @@ import numpy as np
 
 from robophm.core.signal import HOUR
 from robophm.fleet.commit import BELIEVED
-from robophm.fleet.page.listing import ORDERS, Asked, Group, Line
+from robophm.fleet.page.listing import ORDERS, Asked, Group, Line, Totals
 from robophm.fleet.payload import Ahead
 from robophm.fleet.questions import RobotHistory, RobotStatus
 from robophm.report.curve import Line as Curve
@@ -25,6 +25,9 @@ from robophm.stores.outbox import COLUMNS, HORIZONS
 SILENT = 1.0
 """Hours after which a robot that was not heard is called silent."""
 
+BY = "design", "site"
+"""Names of what robots are grouped by."""
+
 AT_ONCE = 100
 """Robots on one page of the list."""
 
@@ -34,7 +37,7 @@ _STYLE = Html(
     "label{display:grid;gap:2px;font-size:.85rem;color:var(--quiet)}a{color:var(--c0)}"
     "input,select,button{font:inherit;color:inherit;background:var(--card);border:1px solid var(--line);"
     "border-radius:5px;padding:5px 8px;min-height:34px}main{max-width:1560px}tbody th{white-space:nowrap}"
-    "summary{cursor:pointer;font-weight:600}details{margin:.6rem 0}.off{color:var(--error);font-weight:600}</style>"
+    ".off{color:var(--error);font-weight:600}</style>"
 )
 
 
@@ -47,8 +50,7 @@ class Fleet(NamedTuple):
     lines: Sequence[Line]
     of: int
     """Number of robots that are asked for."""
-    by: Mapping[str, Sequence[Group]]
-    """Groups of all robots, by design and by site."""
+    totals: Totals
     refused: Mapping[str, int]
     """Numbers of what was refused without being known whose it was, by reason."""
     now: int
@@ -63,9 +65,8 @@ def _fleet_sections(shown: Fleet) -> Iterator[Html | str]:
     asked, horizon = shown.asked, HORIZON_WORDS[shown.asked.horizon]
     yield _STYLE
     yield from _known(shown, horizon)
-    for by, groups in shown.by.items():
-        words = element("summary", f"By {by} ({count_text(len(groups))})")
-        yield element("details", words, _groups(by, groups, asked, horizon))
+    yield element("nav", *(element("a", f"By {by}", href=f"./groups?by={by}&horizon={asked.horizon:g}") for by in BY),
+                  aria_label="Groups")  # fmt: skip
     yield _form(asked)
     last = shown.start + len(shown.lines)
     where = [f"{name} {value or 'unknown'}" for name, value in (("design", asked.design), ("site", asked.site))
@@ -80,8 +81,7 @@ def _fleet_sections(shown: Fleet) -> Iterator[Html | str]:
 
 def _known(shown: Fleet, horizon: str) -> Iterator[str | Html]:
     """What is known of the fleet, and what is not."""
-    groups = shown.by["design"]
-    robots, known, silent = (sum(getattr(one, name) for one in groups) for name in ("robots", "known", "silent"))
+    robots, known, silent = shown.totals
     yield (
         f"{moment_text(shown.now)[:16]} UTC. {count_text(robots)} robots; of {count_text(known)} the probability of "
         f"failing within {horizon} is known, by the newest report of each."
@@ -199,6 +199,13 @@ def _report_time(time: int | None, ahead: float | None) -> str:
         return "none"
     said = f"{moment_text(time)[:16]} UTC"
     return said if ahead is None or abs(ahead) <= BELIEVED else f"{said}; its clock is not believed"
+
+
+def groups_page(by: str, groups: Sequence[Group], horizon: float, now: int) -> Html:
+    """All robots in groups, as a whole page."""
+    back = element("nav", element("a", "Fleet", href="./"), aria_label="Way back")
+    table = _groups(by, groups, Asked(horizon), HORIZON_WORDS[horizon])
+    return page(f"Fleet by {by}", [_STYLE, back, f"{moment_text(now)[:16]} UTC.", table])
 
 
 def _groups(by: str, groups: Sequence[Group], asked: Asked, horizon: str) -> Html:
