@@ -95,10 +95,10 @@ class Totals(NamedTuple):
     """Number of those that were not heard since a moment, or never."""
 
 
-def _tables(at: int, newest: str = "newest") -> str:
+def _tables(at: int) -> str:
     """All that is known of each robot; ``newest`` comes first, so that its order by probability is gone along."""
     return (
-        f"FROM {newest} CROSS JOIN robot LEFT JOIN present ON present.robot = newest.robot "
+        "newest CROSS JOIN robot LEFT JOIN present ON present.robot = newest.robot "
         "LEFT JOIN heard ON heard.robot = newest.robot LEFT JOIN day ON day.robot = newest.robot AND day.day = "
         f"(SELECT max(d.day) FROM day AS d WHERE d.robot = newest.robot AND d.chance_{at} IS NOT NULL AND d.day "
         f"BETWEEN newest.time / {DAY} - {WEEK_BEFORE[1]} AND newest.time / {DAY} - {WEEK_BEFORE[0]}) "
@@ -134,8 +134,8 @@ def _source(asked: Asked) -> tuple[str, list[Any], str]:
         return f"{_EVERY} WHERE newest.chance_{at} IS NULL{words}", values, "robot.name"
     if asked.order == "risen":
         words += f" AND day.chance_{at} IS NOT NULL"
-        return _tables(at) + words, values, f"newest.chance_{at} - day.chance_{at} DESC, newest.robot DESC"
-    return _tables(at) + words, values, f"newest.chance_{at} DESC, newest.robot DESC"
+        return f"FROM {_tables(at)}{words}", values, f"newest.chance_{at} - day.chance_{at} DESC, newest.robot DESC"
+    return f"FROM {_tables(at)}{words}", values, f"newest.chance_{at} DESC, newest.robot DESC"
 
 
 def lines(store: FleetStore, asked: Asked, start: int, most: int) -> list[Line]:
@@ -144,11 +144,9 @@ def lines(store: FleetStore, asked: Asked, start: int, most: int) -> list[Line]:
     source, values, order = _source(asked)
     some = [*values, most, start]
     limit = " LIMIT ? OFFSET ?"
-    if asked == Asked(asked.horizon):  # then the index alone knows which these are, however far behind
-        source, limit = (
-            _tables(at, f"(SELECT * FROM newest WHERE chance_{at} IS NOT NULL ORDER BY {order}{limit}) AS newest"),
-            "",
-        )
+    if asked == Asked(asked.horizon):  # then the index alone tells which these are, however far behind
+        chosen = f"SELECT robot FROM newest WHERE chance_{at} IS NOT NULL ORDER BY {order}{limit}"
+        source, limit = f"FROM ({chosen}) AS chosen CROSS JOIN {_tables(at)} AND newest.robot = chosen.robot", ""
     before = "NULL, NULL" if asked.order == "unknown" else f"day.chance_{at}, day.time"
     rows = store.rows(
         "SELECT robot.name, robot.site, present.design, newest.robot, newest.epoch, newest.seq, newest.time, "
