@@ -8,7 +8,8 @@ from typing import Annotated, Literal
 
 from fastapi import FastAPI, Query, Request
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import HTMLResponse
+from fastapi.responses import HTMLResponse, JSONResponse
+from starlette.exceptions import HTTPException
 from starlette.middleware.gzip import GZipMiddleware
 
 from robophm.core.errors import RobophmError
@@ -47,6 +48,7 @@ def page_app(store: FleetStore, beside: Path, host: str, proxies: Proxies) -> Fa
     app.add_api_route("/robot", pages.robot, response_class=HTMLResponse)
     app.add_exception_handler(RequestValidationError, _misspelt)
     app.add_exception_handler(RobophmError, _refused)
+    app.add_exception_handler(HTTPException, _http)
     app.add_middleware(GZipMiddleware, minimum_size=2000, compresslevel=5)
     app.add_middleware(Guard, host=host, visitors=visitors, routes=app.router.routes)
     return app
@@ -104,6 +106,13 @@ async def _misspelt(_: Request, error: Exception) -> HTMLResponse:
 async def _refused(_: Request, error: Exception) -> HTMLResponse:
     """A store that cannot be read now, or is damaged."""
     return _answer(page("The fleet cannot be shown", [str(error)]), 503)
+
+
+async def _http(_: Request, error: Exception) -> JSONResponse:
+    """What is no page: mostly a robot that was told another address."""
+    assert isinstance(error, HTTPException)
+    words = {404: "there is nothing of that name; expected /robots/NAME/reports of a robot, or / for the page"}
+    return JSONResponse({"message": words.get(error.status_code, str(error.detail))}, error.status_code, error.headers)
 
 
 def _answer(html: Html, status_code: int = 200) -> HTMLResponse:
