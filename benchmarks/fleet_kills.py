@@ -1,7 +1,8 @@
-"""Seeded courses in which robots, network and service of a fleet are killed at random, and what is left of them.
+"""Seeded courses in which robots, network, service and database of a fleet are killed at random, and what is left.
 
-``python -m benchmarks.fleet_kills [--courses 100] [--first 0]``: each course has three robots with 150 reports and four
-rounds of kills (SIGKILL) of robots and service, alone and together, over a network that cuts requests and answers.
+``python -m benchmarks.fleet_kills [--courses 100] [--first 0] [--postgresql]``: each course has three
+robots with 150 reports and four rounds of kills (SIGKILL) of robots, service and database, alone and together, over a
+network that cuts requests and answers.
 Exits with 1 at the first course in which a report was lost or counted twice, or a fleet's ledger is not the robot's
 own, letter by letter.
 """
@@ -12,21 +13,24 @@ import argparse
 import sys
 import tempfile
 import time
+from contextlib import nullcontext
 from pathlib import Path
 
 from tests.fleet.killed import course
+from tests.fleet.postgresql_server import running
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.fleet_kills", description=__doc__)
     parser.add_argument("--courses", type=int, default=100)
     parser.add_argument("--first", type=int, default=0, help="seed of the first")
+    parser.add_argument("--postgresql", action="store_true", help="the store is in one, which is killed too")
     asked = parser.parse_args()
     begun, reports, epochs = time.monotonic(), 0, 0
     for seed in range(asked.first, asked.first + asked.courses):
-        with tempfile.TemporaryDirectory() as folder:
+        with tempfile.TemporaryDirectory() as folder, running() if asked.postgresql else nullcontext() as database:
             try:
-                found = course(Path(folder), seed, robots=3, most=150, kills=4)
+                found = course(Path(folder), seed, robots=3, most=150, kills=4, database=database)
             except AssertionError as error:
                 print(f"course {seed}: {error}")
                 return 1

@@ -1,77 +1,164 @@
-"""Load of a fleet's service: ``python -m benchmarks.fleet_load [--robots 300]``.
+"""Load of a fleet's service: ``python -m benchmarks.fleet_load [--robots 300] [--seconds 60] [--postgresql]``.
 
-Each robot sends what an hour without network has left, then the report of a minute, each over a connection of its own
-and with a ledger, 32 at once; the service is a process of its own with its store on this disk. Tells how long all of
-them take, the slowest answer, and the service's peak of memory. Exits with 1 where a report is missing.
+Each robot sends a report a minute over a connection of its own, evenly spread, whole report and ledger with every tenth
+(``--whole-every``); the service is a process of its own with its store on this disk. The figures are those of a few
+robots that really fail, as ``robophm fleet simulate`` makes them, each told under many names. Tells how many reports
+were taken in a second, how late each was on the disk (lag), what processor and memory the service took, and how long
+the worst twenty take to be asked for. Exits with 1 where a report is missing, or the lag's 99th percentile is above a
+minute.
 """
 
 from __future__ import annotations
 
 import argparse
-import http.client
+import asyncio
+import contextlib
+import itertools
 import json
 import re
 import signal
+import statistics
 import subprocess
 import sys
 import tempfile
 import time
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterator
 from pathlib import Path
 
-from tests.fleet.made_reports import BEGIN, MINUTE, report
+from tests.fleet.postgresql_server import running
 
 from robophm.fleet.payload import packed
-from robophm.fleet.questions import status
+from robophm.fleet.questions import worst
+from robophm.fleet.simulated import SimulatedRobot, simulated_robots
 from robophm.fleet.store import FleetStore
 from robophm.stores.outbox import Batch, Present, Waiting, report_values
 
+DESIGN = Path(__file__).parents[1] / "examples" / "fleet" / "robot.yaml"
 EPOCH = "a" * 16
-LEDGER = json.dumps({"sums": [0.123456789 + at for at in range(1000)]})
-"""A ledger as large as that of a robot of fifty parts: 20 kB."""
+AT_ONCE = 128
+"""Robots that send at the same time, at most: those beyond it are late."""
 
 
-def body(robot: str, first: int, end: int) -> bytes:
-    """The payload of the reports of some minutes."""
-    rows = tuple(Waiting(at, EPOCH, at, BEGIN + at * MINUTE, 0, report_values(report(at))) for at in range(first, end))
-    return packed(robot, time.time_ns(), Batch(rows, 0, Present(EPOCH, end, LEDGER, report(end - 1))))
+class Load:
+    """The payloads of many robots, made of the reports of a few."""
+
+    def __init__(self, few: list[SimulatedRobot], tokens: dict[str, str], whole_every: int) -> None:
+        self._few, self._names, self._every = few, [*tokens], whole_every
+        self._heads = [f"POST /robots/{name}/reports HTTP/1.1\r\nHost: fleet\r\nConnection: close\r\nAuthorization: "
+                       f"Bearer {token}\r\nContent-Length: " for name, token in tokens.items()]  # fmt: skip
+        self._rows = [[report_values(one) for one in robot.reports] for robot in few]
+        self._ledgers = [json.dumps(robot.ledger) for robot in few]
+
+    def request(self, number: int) -> bytes:
+        """The request that comes as this one of all: robots take turns, one report each in a round."""
+        turn, at = divmod(number, len(self._names))
+        robot = at % len(self._few)
+        reports, now = self._few[robot].reports, time.time_ns()
+        which = (turn + at // len(self._few)) % len(reports)
+        row = Waiting(turn + 1, EPOCH, turn + 1, now, 0, self._rows[robot][which])
+        whole = number % self._every == 0
+        report = {**reports[which], "time": now} if whole else None
+        state = Present(EPOCH, turn + 1, self._ledgers[robot], report) if whole else None
+        body = packed(self._names[at], now, Batch((row,), 0, state))
+        return f"{self._heads[at]}{len(body)}\r\n\r\n".encode() + body
+
+
+async def sent(port: int, load: Load, rate: float, count: int) -> list[float]:
+    """Send so many requests at so many a second; return how late each was answered after it was due [s]."""
+    gate, begun, lags = asyncio.Semaphore(AT_ONCE), time.monotonic(), []
+
+    async def one(number: int) -> None:
+        try:
+            for _ in range(20):  # a service that is busy lets go of connections; a robot tries again
+                with contextlib.suppress(OSError):
+                    reader, writer = await asyncio.open_connection("127.0.0.1", port)
+                    writer.write(load.request(number))
+                    answer = await reader.read()
+                    writer.close()
+                    if answer.startswith(b"HTTP/1.1 200"):
+                        break
+                await asyncio.sleep(0.2)
+            lags.append(time.monotonic() - begun - number / rate)
+        finally:
+            gate.release()
+
+    async with asyncio.TaskGroup() as group:
+        for number in range(count):
+            await asyncio.sleep(max(0.0, begun + number / rate - time.monotonic()))
+            await gate.acquire()
+            group.create_task(one(number))
+    return lags
+
+
+@contextlib.contextmanager
+def store_address(folder: Path, *, postgresql: bool) -> Iterator[tuple[str, int | None]]:
+    """The address of a store that is not there yet, in either engine, and the process of a database."""
+    if not postgresql:
+        yield str(folder / "fleet.db"), None
+        return
+    with running("shared_buffers=512MB", "max_wal_size=4GB") as server:
+        yield server.address, server.process
+
+
+def used(process: int) -> tuple[float, float]:
+    """Seconds of the processor that a process has taken, and its peak of memory [MB]."""
+    ticks = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    (memory,) = re.findall(r"VmHWM:\s+(\d+)", Path(f"/proc/{process}/status").read_text())
+    return (int(ticks[11]) + int(ticks[12])) / 100, int(memory) / 1024
+
+
+def of_database(process: int | None) -> tuple[float, float]:
+    """Seconds of the processor and proportional memory [MB] of a database with all that it has begun; zero of none."""
+    all_of_it = [] if process is None else [process, *map(int, Path(f"/proc/{process}/task/{process}/children")
+                                                          .read_text().split())]  # fmt: skip
+    memory = sum(int(re.findall(r"^Pss:\s+(\d+)", Path(f"/proc/{one}/smaps_rollup").read_text(), re.M)[0])
+                 for one in all_of_it)  # fmt: skip
+    return sum(used(one)[0] for one in all_of_it), memory / 1024
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.fleet_load", description=__doc__)
     parser.add_argument("--robots", type=int, default=300)
-    count = parser.parse_args().robots
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "fleet.db"
-        with FleetStore(path, make=True) as store:
-            tokens = {f"r{at}": store.add_token(f"r{at}") for at in range(count)}
-        words = [sys.executable, "-m", "robophm", "fleet", "serve", "--store", str(path), "--port", "0"]
+    parser.add_argument("--seconds", type=float, default=60.0)
+    parser.add_argument("--whole-every", type=int, default=10)
+    parser.add_argument("--postgresql", action="store_true")
+    asked = parser.parse_args()
+    few = [*itertools.islice(simulated_robots(DESIGN, 8, 10, 1, 3600.0 * 4, time.time_ns()), 8)]
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        store_address(Path(folder), postgresql=asked.postgresql) as (address, base),
+    ):
+        names = [f"r{at}" for at in range(asked.robots)]
+        with FleetStore(address, make=True) as store:
+            tokens = dict(zip(names, store.add_tokens(names), strict=True))
+        words = [sys.executable, "-m", "robophm", "fleet", "serve", "--store", address, "--port", "0"]
         with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as service:
             assert service.stdout
             port = int(re.findall(r":(\d+)/", service.stdout.readline())[0])
-
-            def post(robot: str, said: bytes) -> float:
-                begun = time.monotonic()
-                connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
-                headers = {"Authorization": f"Bearer {tokens[robot]}"}
-                connection.request("POST", f"/robots/{robot}/reports", said, headers)
-                assert connection.getresponse().status == 200
-                connection.close()
-                return time.monotonic() - begun
-
-            for what, first, end in (("an hour", 1, 61), ("a minute", 61, 62)):
-                bodies = [body(robot, first, end) for robot in tokens]
-                with ThreadPoolExecutor(32) as together:
-                    begun = time.monotonic()
-                    slowest = max(together.map(post, tokens, bodies))
-                    took = time.monotonic() - begun
-                print(f"{what} of {count} robots: {took:.1f} s, slowest answer {slowest:.2f} s")
-            memory = re.findall(r"VmHWM:\s+(\d+)", Path(f"/proc/{service.pid}/status").read_text())
-            print(f"memory of the service at its peak: {int(memory[0]) / 1024:.0f} MB")
+            rate, before, idle = asked.robots / 60, used(service.pid)[0], of_database(base)[0]
+            count = round(rate * asked.seconds)
+            begun = time.monotonic()
+            lags = sorted(asyncio.run(sent(port, Load(few, tokens, asked.whole_every), rate, count)))
+            took = time.monotonic() - begun
+            (seconds, memory), (busy, held) = used(service.pid), of_database(base)
             service.send_signal(signal.SIGINT)
-        with FleetStore(path) as store:
-            found = status(store)
-    return int(any((one.reports, one.missing) != (61, 0) for one in found))
+        with FleetStore(address) as store:
+            ((there,),) = store.rows("SELECT count(*) FROM report")
+            times = []
+            for _ in range(20):
+                begun = time.perf_counter()
+                worst(store, 168.0, 20)
+                times.append(time.perf_counter() - begun)
+    p99 = lags[int(len(lags) * 0.99)]
+    print(
+        f"{asked.robots} robots, {count} reports in {took:.1f} s ({count / took:.0f} a second of {rate:.0f} that came)"
+    )
+    print(f"lag: median {statistics.median(lags):.2f} s, 99 % {p99:.2f} s, longest {lags[-1]:.2f} s")
+    print(f"service: {1000 * (seconds - before) / count:.2f} ms of a processor a report, {memory:.0f} MB at its peak")
+    if base:
+        print(f"database: {1000 * (busy - idle) / count:.2f} ms of a processor a report, {held:.0f} MB")
+    print(f"worst 20 of {asked.robots}: {1000 * statistics.median(times):.1f} ms; missing: {count - there}")
+    return int(there != count or p99 > 60)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from tests.fleet.made_reports import report
+from tests.fleet.postgresql_server import Server, missing, running
 
 from robophm.fleet.address import FleetAddress
 from robophm.fleet.serving import FleetSettings, serve_fleet
@@ -56,6 +57,27 @@ def serving(path: Path, **settings: Any) -> Iterator[Served]:
         stop()
         thread.join(DEADLINE)
         assert not thread.is_alive()
+
+
+@pytest.fixture(scope="session")
+def server() -> Iterator[Server]:
+    """A PostgreSQL of these tests, begun where one is asked for."""
+    if why := missing():
+        pytest.skip(why)
+    with running("fsync=off") as begun:
+        yield begun
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def address(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+    """The place of a store that is not there yet, in each engine."""
+    if request.param == "sqlite":
+        return str(tmp_path / "fleet.db")
+    found: str = request.getfixturevalue("server").address
+    psycopg = pytest.importorskip("psycopg")
+    with psycopg.connect(found, autocommit=True) as base:
+        base.execute("DROP SCHEMA IF EXISTS robophm_fleet CASCADE")
+    return found
 
 
 @pytest.fixture

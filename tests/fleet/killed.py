@@ -1,7 +1,7 @@
-"""A fleet whose robots, network and service are killed at random, beside what each robot's own store says.
+"""A fleet whose robots, network, service and database are killed at random, beside what each robot's own store says.
 
-Robots and service are processes of their own, ended by SIGKILL; the network between them is a proxy that cuts
-connections before, within and after what they carry, so that answers are lost of what was committed.
+Robots, service and a PostgreSQL are processes of their own, ended at once; the network between them is a proxy that
+cuts connections before, within and after what they carry, so that answers are lost of what was committed.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from pathlib import Path
 
 from tests.fleet.conftest import DEADLINE, wait_for
 from tests.fleet.made_reports import report
+from tests.fleet.postgresql_server import Server
 
 from robophm.fleet.address import FleetAddress
 from robophm.fleet.questions import present, reports, status
@@ -32,7 +33,7 @@ PROCESSES = multiprocessing.get_context("forkserver")
 PROCESSES.set_forkserver_preload(["tests.fleet.killed"])
 
 
-def serve(path: Path, port: int, ready: Connection) -> None:
+def serve(path: str, port: int, ready: Connection) -> None:
     """The service, in a process of its own."""
     serve_fleet(FleetSettings(path, port=port), lambda *_: ready.send(True))
 
@@ -110,13 +111,17 @@ def _end(child: BaseProcess) -> None:
     child.close()
 
 
-def course(folder: Path, seed: int, *, robots: int = 2, most: int = 150, kills: int = 4) -> dict[str, int]:
+def course(
+    folder: Path, seed: int, *, robots: int = 2, most: int = 150, kills: int = 4, database: Server | None = None
+) -> dict[str, int]:
     """Run one course of kills and cuts, then let all of it come to its end, and compare.
+
+    With a ``database``, whose tables are empty, the fleet's store is there; else it is a SQLite file.
 
     Raises AssertionError where a report of a robot is lost or counted twice, or a ledger is not the robot's own, letter
     by letter. Returns how much of what happened.
     """
-    chance, path = random.Random(seed), folder / "fleet.db"
+    chance, path = random.Random(seed), database.address if database else str(folder / "fleet.db")
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
     with FleetStore(path, make=True) as store:
@@ -140,8 +145,12 @@ def course(folder: Path, seed: int, *, robots: int = 2, most: int = 150, kills: 
         for _ in range(kills):
             time.sleep(chance.uniform(0.0, 0.25))
             some = chance.sample([*running], chance.randint(1, len(running)))
+            whole = database if database and chance.random() < 0.5 else None
             for name in some:
                 _end(running[name])
+            if whole:
+                whole.kill()
+                whole.begin()
             for name in some:
                 begin(name)
         network.cut = False
@@ -156,7 +165,7 @@ def course(folder: Path, seed: int, *, robots: int = 2, most: int = 150, kills: 
     return _compared(path, stores, most)
 
 
-def _compared(path: Path, stores: dict[str, Path], most: int) -> dict[str, int]:
+def _compared(path: str, stores: dict[str, Path], most: int) -> dict[str, int]:
     """Compare what the fleet has with what each robot's own store has."""
     found = {"reports": 0, "epochs": 0}
     with FleetStore(path) as fleet:

@@ -1,9 +1,10 @@
-"""Robots, network and service killed at random: nothing lost, nothing twice, ledgers equal letter by letter."""
+"""Robots, network, service and database killed at random: nothing lost or twice, ledgers equal by letter."""
 
 from __future__ import annotations
 
 import pytest
 from tests.fleet.killed import course
+from tests.fleet.postgresql_server import missing, running
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -11,3 +12,11 @@ def test_nothing_is_lost_or_counted_twice(tmp_path, seed):
     found = course(tmp_path, seed, robots=2, most=60, kills=3)
     assert found["reports"] == 120
     assert found["epochs"] > 2  # some were killed while they worked
+
+
+@pytest.mark.full
+@pytest.mark.skipif(missing() is not None, reason=missing() or "")
+def test_nothing_is_lost_or_counted_twice_where_the_database_is_killed_too(tmp_path):
+    with running() as server:
+        found = course(tmp_path, 1, robots=2, most=60, kills=3, database=server)
+    assert found["reports"] == 120

@@ -34,7 +34,7 @@ def commit(store, robot, *rows, present=None, epoch="c" * 16):
     told = tuple(Report(seq, BEGIN + round(minute * MINUTE), 0,
                         figures(**{"failure_within.168": chance, "state": 1.0, "bound": 1.0, "operating": minute}))
                  for seq, minute, chance in rows)  # fmt: skip
-    store.commit(Payload(robot, epoch, BEGIN, 0, told, present))
+    store.commit([Payload(robot, epoch, BEGIN, 0, told, present)])
 
 
 @pytest.fixture

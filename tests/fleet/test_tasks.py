@@ -66,7 +66,7 @@ def send(store, name, ledger, digest):
     store.add_token(name)
     report = {"robot": "courier", "design_hash": digest, "time": 10**18}
     state = PresentState(1, json.dumps(ledger.to_json()), report, ())
-    store.commit(Payload(name, "a" * 16, time.time_ns(), 0, (), state))
+    store.commit([Payload(name, "a" * 16, time.time_ns(), 0, (), state)])
 
 
 def test_probabilities_are_those_of_each_robots_own_past(store, robot):
@@ -113,7 +113,7 @@ def test_the_command(store, tmp_path):
         "schema_version: 1\ntasks:\n  - {name: long, legs: [{duration: 8 h}]}\n"
         "  - {name: short, legs: [{duration: 2 h, functions: [drive]}]}\n"
     )
-    words = ["fleet", "assign", tmp_path / "tasks.yaml", "--design", tmp_path / "robot.yaml", "--store", store.path]
+    words = ["fleet", "assign", tmp_path / "tasks.yaml", "--design", tmp_path / "robot.yaml", "--store", store.place]
     done = CliRunner().invoke(app, [*map(str, words), "--json"])
     assert done.exit_code == 0, done.output
     said = json.loads(done.stdout)

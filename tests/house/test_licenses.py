@@ -18,6 +18,8 @@ NOT_AT_RUN_TIME = ("dev", "bench", "peers")
 
 OTHERWISE = {
     "pyphen": "may be had under the MPL 1.1 too, and is",
+    "psycopg": "LGPL: used unchanged as a library, which an installation may exchange; an extra, of fleets alone",
+    "psycopg-binary": "as psycopg, whose compiled half it is",
     "pymavlink": "of it only the generated table of messages is used, which is MIT; the rest is LGPL",
 }
 """Packages that name a GPL, and why they may."""

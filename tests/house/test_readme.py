@@ -94,6 +94,8 @@ def ended(command: str, folder: Path) -> tuple[int, str]:
             changed.setenv("NO_COLOR", "1")
             done = run_inside(folder, shlex.split(command)[1:], changed)
         return done.returncode, done.stdout + done.stderr
+    if "serve" in command.split():  # its own port may be taken by whoever else runs on this machine
+        command += " --port 0"
     environment = {**os.environ, "PATH": f"{sysconfig.get_path('scripts')}:{os.environ['PATH']}", "NO_COLOR": "1"}
     process = subprocess.Popen(
         ["sh", "-c", f"exec {command}"],

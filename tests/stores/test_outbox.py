@@ -10,6 +10,7 @@ import pytest
 
 from robophm.core.errors import StoreError
 from robophm.stores import outbox as outboxes
+from robophm.stores._good_state import make_anew
 from robophm.stores.memory import MemoryStore
 from robophm.stores.outbox import BOUNDS, COLUMNS, report_values
 from robophm.stores.sqlite import SqliteStore
@@ -178,3 +179,22 @@ def test_values_are_those_of_the_report():
     assert [values[f"failure_within.{hours}"] for hours in (24, 168, 720)] == [0.024, 0.168, 0.72]
     assert BOUNDS[int(values["bound"])] == "at least"
     assert report_values(report(60))[-4:] == [None] * 4  # silence is no zero
+
+
+def test_a_store_that_is_made_anew_keeps_what_waits_but_for_what_is_damaged(tmp_path):
+    path = tmp_path / "robot.db"
+    with SqliteStore(path) as store:
+        store.outboxes.of("r").begin()
+        save(store, 1, 2, 3, 4)
+        before = store.outboxes.of("r").batch(10).reports
+    with sqlite3.connect(path) as base:
+        base.execute("UPDATE outbox SET figures = '[1]' WHERE seq = 2")
+        base.execute("UPDATE kept_report SET body = zeroblob(3) WHERE time = ?", (2 * MINUTE,))
+    assert make_anew(path) is not None
+    with SqliteStore(path) as store:
+        batch = store.outboxes.of("r").batch(10)
+        assert batch.reports == tuple(one for one in before if one.seq != 2)
+        assert batch.present.ledger == '{"at": [1, 2, 3, 4]}'
+        store.outboxes.of("r").begin()
+        save(store, 5)
+        assert numbers(store) == [(1, 0), (3, 0), (4, 0)], "of one epoch at a time"

@@ -28,6 +28,7 @@ EXTRAS = {
     "cbor": ("messages of CBOR in MCAP", ("cbor2",)),
     "msgpack": ("messages of MessagePack in MCAP", ("msgpack",)),
     "protobuf": ("messages of Protocol Buffers in MCAP", ("protobuf",)),
+    "fleet": ("a fleet's service with PostgreSQL", ("fastapi", "uvicorn", "websockets", "psycopg")),
     "remote": ("recordings on web servers and in object storage", ("obstore",)),
     "px4": ("logs of PX4", ("pyulog",)),
     "mavlink": ("telemetry logs of ground stations", ("pymavlink",)),

@@ -22,7 +22,9 @@ if TYPE_CHECKING:
 
 command = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None)
 
-Design = Annotated[Path, typer.Argument(help="the robot's design file, beside which its users are kept")]
+Design = Annotated[
+    Path, typer.Argument(help="the robot's design file, or a fleet's store, beside which users are kept")
+]
 Name = Annotated[str, typer.Argument(help="name of a person, or of a program")]
 
 
@@ -89,7 +91,7 @@ def _opened(design: Path, *, make: bool = False) -> Iterator[Users]:
 
     path = access_path(design)
     if not design.is_file() and not path.exists():
-        raise RobophmError(f"{design}: no such file; expected a robot's design")
+        raise RobophmError(f"{design}: no such file; expected a robot's design, or a fleet's store")
     file = AccessFile(path if make or path.exists() else None)
     try:
         yield Users(file)

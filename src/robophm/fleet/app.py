@@ -12,11 +12,14 @@ from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response
-from starlette.routing import Route
+from starlette.routing import Mount, Route
+from starlette.types import ASGIApp
 
 from robophm.core.errors import DataError, StoreError
+from robophm.fleet.commit import Committed
+from robophm.fleet.committer import Committer
 from robophm.fleet.payload import MOST_BYTES, Payload, unpacked
-from robophm.fleet.store import Committed, FleetStore
+from robophm.fleet.store import FleetStore
 from robophm.web.bounded_bodies import BoundedBodies
 
 COUNTS_KEPT_EVERY = 1.0
@@ -25,20 +28,22 @@ COUNTS_KEPT_EVERY = 1.0
 _log = logging.getLogger("robophm")
 
 
-def create_app(store: FleetStore) -> Starlette:
-    """Return the service of a fleet, to be run on any ASGI server."""
+def create_app(store: FleetStore, page: ASGIApp) -> Starlette:
+    """Return the service of a fleet, to be run on any ASGI server; ``page`` answers all that is not for robots."""
+    reports = _Reports(store)
 
     @asynccontextmanager
     async def lifespan(_: Starlette) -> AsyncIterator[None]:
-        keeping = asyncio.create_task(_keep_counts(store))
+        tasks = [asyncio.create_task(one) for one in (_keep_counts(store), reports.committer.run())]
         yield
-        keeping.cancel()
-        with suppress(asyncio.CancelledError):
-            await keeping
+        for one in tasks:
+            one.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
 
     routes = [
         Route("/healthz", _alive),
-        Route("/robots/{robot}/reports", _Reports(store).take, methods=["POST"]),
+        Route("/robots/{robot}/reports", reports.take, methods=["POST"]),
+        Mount("/", page),
     ]
     return Starlette(routes=routes, lifespan=lifespan, exception_handlers={HTTPException: _http, Exception: _our_fault})
 
@@ -67,6 +72,7 @@ class _Reports:
 
     def __init__(self, store: FleetStore) -> None:
         self._store = store
+        self.committer = Committer(store)
         self._bodies = BoundedBodies()
         self._one_at_a_time = asyncio.Lock()
         """Held while a payload is unpacked: it may be many times as large as its body."""
@@ -90,14 +96,15 @@ class _Reports:
         robot = await self._whose(request)
         body = await self._body(request, robot)
         async with self._one_at_a_time:
+            await self.committer.room()
             try:
                 payload: Payload = await run_in_threadpool(unpacked, body)
             except DataError as error:
                 raise _Refused(422, f"payload: {error}", robot, "malformed payload") from None
-            if payload.robot != robot:
-                why = f"payload: is of robot {payload.robot!r:.120}; the token is of {robot!r}"
-                raise _Refused(403, why, robot, "payload of another robot")
-            return await run_in_threadpool(self._store.commit, payload)
+        if payload.robot != robot:
+            why = f"payload: is of robot {payload.robot!r:.120}; the token is of {robot!r}"
+            raise _Refused(403, why, robot, "payload of another robot")
+        return await self.committer.commit(payload)
 
     async def _whose(self, request: Request) -> str:
         """The robot whose token it is, which must be the one of the address; before anything else is read."""

@@ -79,6 +79,8 @@ class Payload(NamedTuple):
     """Reports that still wait at the robot behind these."""
     reports: tuple[Report, ...]
     present: PresentState | None
+    size: int = 0
+    """Length of its text, uncompressed [bytes]."""
 
 
 def packed(robot: str, sent: int, batch: Batch) -> bytes:
@@ -104,7 +106,7 @@ def packed(robot: str, sent: int, batch: Batch) -> bytes:
 
 def unpacked(body: bytes) -> Payload:
     """Return a payload. Raises DataError, in words for whoever sent it, where it is none, or too large."""
-    said = _json(body)
+    said, size = _json(body)
     version = said.get("version")
     if version != VERSION:
         raise DataError(f"version {version!r:.40} of the payload; this service knows version {VERSION}")
@@ -126,11 +128,12 @@ def unpacked(body: bytes) -> Payload:
         raise DataError("neither reports nor a present state; expected one of them")
     return Payload(
         _text(said, "robot"), epoch, _whole(said.get("sent"), "sent"), _whole(said.get("waiting"), "waiting"), reports,
-        None if present is None else _present(present),
+        None if present is None else _present(present), size,
     )  # fmt: skip
 
 
-def _json(body: bytes) -> dict[str, Any]:
+def _json(body: bytes) -> tuple[dict[str, Any], int]:
+    """What a body says, and the length of its text."""
     opened = zlib.decompressobj()
     try:
         text = opened.decompress(body, MOST_TEXT)
@@ -143,7 +146,7 @@ def _json(body: bytes) -> dict[str, Any]:
         raise DataError(f"cannot be read: {error}; expected JSON compressed by zlib") from None
     if not isinstance(said, dict):
         raise DataError("expected a JSON object")
-    return said
+    return said, len(text)
 
 
 def _no_number(text: str) -> float:

@@ -13,12 +13,11 @@ import numpy as np
 from robophm.core.errors import RobophmError, StoreError
 from robophm.core.signal import SECOND
 from robophm.core.units import quantity
-from robophm.fleet.store import FleetStore, figures_of_bytes, present_sum
+from robophm.fleet.commit import BELIEVED
+from robophm.fleet.figures import figures_of_bytes, present_sum
+from robophm.fleet.store import FleetStore
 from robophm.stores.figures import STATES, FigureSeries, joined
 from robophm.stores.outbox import BOUNDS, CHANCES, COLUMNS, HORIZONS
-
-BELIEVED = 60.0
-"""Seconds by which a robot's clock may differ from the fleet's before that is told."""
 
 AT_ONCE = 20_000
 """Reports that are in memory at a time."""
@@ -86,25 +85,28 @@ class Worst(NamedTuple):
     """Number of robots of the fleet whose probability is not known, which are in no list."""
 
 
-def status(store: FleetStore) -> list[RobotStatus]:
-    """Return how each robot is, by name. Raises StoreError."""
+def status(store: FleetStore, robot: str | None = None) -> list[RobotStatus]:
+    """Return how each robot is, by name, or one of them alone. Raises StoreError."""
+    chosen = [] if robot is None else [robot]
     refused: dict[str, dict[str, int]] = {}
-    for robot, why, count in store.rows("SELECT robot, why, number FROM refused ORDER BY robot, why"):
-        refused.setdefault(robot, {})[why] = count
+    where = " WHERE robot = ?" if chosen else ""
+    for name, why, count in store.rows(f"SELECT robot, why, number FROM refused{where} ORDER BY robot, why", chosen):
+        refused.setdefault(name, {})[why] = count
     rows = store.rows(
         "SELECT robot.name, present.design, present.design_hash, newest.robot, newest.epoch, newest.seq, newest.time, "
-        "newest.figures, heard, clock_ahead, waiting, "
-        "(SELECT ifnull(sum(reports), 0) FROM epoch WHERE epoch.robot = robot.number), "
-        "(SELECT ifnull(sum(thinned), 0) FROM epoch WHERE epoch.robot = robot.number), "
-        "(SELECT ifnull(sum(missing), 0) FROM epoch WHERE epoch.robot = robot.number) "
+        "newest.figures, heard.time, clock_ahead, waiting, counted.reports, counted.thinned, counted.missing "
         "FROM robot LEFT JOIN newest ON newest.robot = robot.number LEFT JOIN present ON present.robot = robot.number "
-        "ORDER BY robot.name"
+        "LEFT JOIN heard ON heard.robot = robot.number LEFT JOIN (SELECT robot, "
+        f"{', '.join(f'CAST(sum({name}) AS BIGINT) AS {name}' for name in ('reports', 'thinned', 'missing'))} "
+        "FROM epoch GROUP BY robot) AS counted ON counted.robot = robot.number "
+        f"{'WHERE robot.name = ? ' if chosen else ''}ORDER BY robot.name",
+        chosen,
     )
     found = []
     for name, design, digest, *key, time, figures, heard, ahead, waiting, reports, thinned, missing in rows:
-        state = None if figures is None else _state(figures_of_bytes((key[0], key[1], key[2]), time, figures))
-        found.append(RobotStatus(name, design, digest, state, time, heard, ahead, waiting, reports, thinned, missing,
-                                 refused.get(name, {})))  # fmt: skip
+        state = None if figures is None else state_of(figures_of_bytes((key[0], key[1], key[2]), time, figures))
+        found.append(RobotStatus(name, design, digest, state, time, heard, ahead, waiting, reports or 0, thinned or 0,
+                                 missing or 0, refused.get(name, {})))  # fmt: skip
     return found
 
 
@@ -128,10 +130,10 @@ def worst(store: FleetStore, horizon: float, most: int) -> Worst:
     column = f"chance_{at}"
     rows = store.rows(
         "SELECT robot.name, newest.robot, newest.epoch, newest.seq, newest.time, newest.received, newest.figures, "
-        "clock_ahead, iif(present.time = newest.time, present.ahead, '[]') "
-        f"FROM newest INDEXED BY newest_{at} JOIN robot ON robot.number = newest.robot "
-        f"LEFT JOIN present ON present.robot = newest.robot WHERE {column} IS NOT NULL "
-        f"ORDER BY {column} DESC LIMIT ?", (most,),
+        "clock_ahead, CASE WHEN present.time = newest.time THEN present.ahead END FROM "
+        f"(SELECT * FROM newest WHERE {column} IS NOT NULL ORDER BY {column} DESC LIMIT ?) AS newest "
+        "JOIN robot ON robot.number = newest.robot LEFT JOIN present ON present.robot = newest.robot "
+        f"LEFT JOIN heard ON heard.robot = newest.robot ORDER BY {column} DESC", (most,),
     )  # fmt: skip
     found = []
     for name, number, epoch, seq, time, received, kept, clock_ahead, ahead in rows:
@@ -140,7 +142,7 @@ def worst(store: FleetStore, horizon: float, most: int) -> Worst:
         life = figures[COLUMNS.index("remaining_life.sensor_based")]
         bound = None if math.isnan(figures[_BOUND]) else BOUNDS[int(figures[_BOUND])]
         found.append(Risk(name, figures[COLUMNS.index(CHANCES[at])], bound, why.get("first"), why.get("share"),
-                          _state(figures), life, time, received, clock_ahead))  # fmt: skip
+                          state_of(figures), life, time, received, clock_ahead))  # fmt: skip
     of = store.rows(f"SELECT count(*) FROM newest WHERE {column} IS NOT NULL")[0][0]
     return Worst(horizon, found, of, store.rows("SELECT count(*) FROM robot")[0][0] - of)
 
@@ -234,9 +236,10 @@ def present(store: FleetStore, robot: str) -> tuple[str, dict[str, Any] | None] 
         return None
     ledger, report, told = rows[0]
     if present_sum(ledger, report) != told:
-        raise StoreError(f"{store.path}: the ledger of {robot} is damaged: its checksum is another")
+        raise StoreError(f"{store.place}: the ledger of {robot} is damaged: its checksum is another")
     return zlib.decompress(ledger).decode(), json.loads(zlib.decompress(report))
 
 
-def _state(figures: tuple[float, ...]) -> str | None:
+def state_of(figures: tuple[float, ...]) -> str | None:
+    """Return the state in figures in one word; None where they have none."""
     return None if math.isnan(figures[_STATE]) else STATES[int(figures[_STATE])]

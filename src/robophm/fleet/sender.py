@@ -3,31 +3,25 @@
 from __future__ import annotations
 
 import http.client
-import json
 import logging
 import random
-import ssl
 import threading
 import time
 from collections.abc import Callable
-from typing import Any, Self
-from urllib.error import HTTPError, URLError
-from urllib.request import HTTPRedirectHandler, HTTPSHandler, OpenerDirector, ProxyHandler, Request, build_opener
+from typing import Self
 
 from robophm.core.errors import DataError, RobophmError, StoreError
 from robophm.fleet.address import FleetAddress
 from robophm.fleet.payload import MOST_REPORTS, packed
+from robophm.fleet.post import Post, why_not
 from robophm.stores import Address, open_store
-from robophm.stores.outbox import Batch, Outbox
+from robophm.stores.outbox import Outbox
 
 LOOK_EVERY = 2.0
 """Seconds between two looks for reports that wait."""
 
 FIRST_WAIT, LONGEST_WAIT = 1.0, 60.0
 """Seconds until it is tried again after the first failure, twice as many after each further one, and at most."""
-
-LONGEST_ANSWER = 30.0
-"""Seconds to wait for an answer: the fleet answers once all is on its disk."""
 
 LONGEST_END = 5.0
 """Seconds that are given to what still waits when watching ends."""
@@ -67,19 +61,19 @@ class Sender:
         self.close()
 
     def _run(self) -> None:
-        opener = build_opener(ProxyHandler({}), _NoRedirect(), HTTPSHandler(context=ssl.create_default_context()))
         failures = 0
         try:
+            post = Post(self._fleet, self._token)
             with open_store(self._store) as store:
                 outbox = store.outboxes.of(self._robot)
                 while True:
                     last = self._ending.is_set()
                     try:
-                        more = self._send(opener, outbox, last=last)
+                        more = self._send(post, outbox, last=last)
                         self._say("")
                         failures = 0
                     except (OSError, http.client.HTTPException, DataError, StoreError) as error:
-                        self._say(_words(error))
+                        self._say(why_not(error))
                         more, failures = False, failures + 1
                     if last and not more:
                         return
@@ -97,7 +91,7 @@ class Sender:
             return self._look_every
         return min(self._first_wait * 2.0 ** min(failures - 1, 16), LONGEST_WAIT) * random.uniform(0.5, 1.5)
 
-    def _send(self, opener: OpenerDirector, outbox: Outbox, *, last: bool) -> bool:
+    def _send(self, post: Post, outbox: Outbox, *, last: bool) -> bool:
         """Send what has waited longest, where there is any; whether more waits."""
         batch = outbox.batch(MOST_REPORTS)
         if not batch.reports and (not batch.present or (self._stated and not last)):
@@ -110,31 +104,11 @@ class Sender:
             if not batch.reports:
                 return False
             body = packed(self._fleet.robot, time.time_ns(), batch)
-        self._check(self._post(opener, body), batch)
+        post.send(body, batch)
         if batch.reports:
             outbox.trim(batch.reports[-1].number)
         self._stated = self._stated or batch.present is not None
         return batch.left > 0
-
-    def _post(self, opener: OpenerDirector, body: bytes) -> Any:
-        headers = {
-            "authorization": f"Bearer {self._token}", "content-type": "application/zlib", "user-agent": "robophm",
-        }  # fmt: skip
-        request = Request(self._fleet.reports, body, headers)
-        with opener.open(request, timeout=LONGEST_ANSWER) as answer:
-            text = answer.read(10_000)
-        try:
-            return json.loads(text)
-        except (ValueError, RecursionError):
-            return text
-
-    def _check(self, answer: Any, batch: Batch) -> None:
-        """Raise DataError unless the answer says that all of the batch is committed."""
-        said = answer.get("committed") if isinstance(answer, dict) else None
-        one = batch.reports[-1] if batch.reports else None
-        expected = {"epoch": one.epoch, "seq": one.seq} if one else said
-        if not isinstance(said, dict) or said != expected:
-            raise DataError(f"answers {answer!r:.100}; expected a fleet's service, which says what it has committed")
 
     def _say(self, trouble: str) -> None:
         if trouble == self._trouble:
@@ -142,25 +116,3 @@ class Sender:
         self._trouble = trouble
         where = f"fleet {self._fleet.service}"
         self._told(f"{where}: {trouble}; what is not sent waits in the store" if trouble else f"{where}: takes reports")
-
-
-class _NoRedirect(HTTPRedirectHandler):
-    """An address that sends elsewhere is refused: the token goes where the command line says, and nowhere else."""
-
-    def redirect_request(self, *_: Any, **__: Any) -> None:
-        return None
-
-
-def _words(error: Exception) -> str:
-    """What is in the way, in words: those of the fleet where it says why."""
-    if isinstance(error, HTTPError):
-        with error:
-            try:
-                said = str(json.loads(error.read(10_000))["message"])
-            except (ValueError, KeyError, TypeError, OSError, http.client.HTTPException):
-                said = error.reason
-        return f"refuses reports ({error.code}): {said}"
-    if isinstance(error, RobophmError):
-        return str(error)
-    reason = error.reason if isinstance(error, URLError) else error
-    return f"is not reached: {' '.join(str(reason).split()) or type(error).__name__}"

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from robophm.fleet.app import create_app
+from robophm.fleet.page.app import page_app
 from robophm.fleet.store import FleetStore
 from robophm.web.access.certificate import fingerprint, own_certificate
 from robophm.web.access.proxies import Proxies, is_loopback
@@ -17,7 +18,8 @@ from robophm.web.serving import Place, heeding, serve_app
 class FleetSettings:
     """The settings that the service was started with."""
 
-    store: Path
+    store: str | Path
+    """The path of a SQLite file, or the address of a PostgreSQL database."""
     host: str = "127.0.0.1"
     port: int = 0
     certificate: Path | None = None
@@ -35,12 +37,16 @@ def serve_fleet(settings: FleetSettings, ready: Callable[[str, str, Callable[[],
     """
     proxies = Proxies(settings.proxies)
     with heeding() as wish, FleetStore(settings.store, make=True) as store:
+        beside = (
+            Path("robophm-fleet") if "://" in str(settings.store) else Path(settings.store)
+        )  # a database has no folder
         certificate = settings.certificate
         if not (certificate or proxies or is_loopback(settings.host)):
-            certificate = own_certificate(settings.store.with_name(f"{settings.store.name}.pem"), settings.host)
+            certificate = own_certificate(Path(f"{beside}.pem"), settings.host)
 
         def begun(address: str) -> None:
             ready(address, fingerprint(certificate) if certificate else "", wish.stop)
 
         place = Place(settings.host, settings.port, certificate, settings.key, proxies.believed)
-        serve_app(create_app(store), place, wish, begun)
+        app = create_app(store, page_app(store, beside, settings.host, proxies))
+        serve_app(app, place, wish, begun)

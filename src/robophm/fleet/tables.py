@@ -1,85 +1,108 @@
-"""The tables of a fleet in SQLite, their version, and how those of an earlier one become them."""
+"""The tables of a fleet, the same in every engine, their version, and how those of an earlier one become them."""
 
 from __future__ import annotations
 
-import sqlite3
 from collections.abc import Mapping
-from pathlib import Path
+from typing import NamedTuple
 
-from robophm.core.errors import StoreError
+from robophm.stores.outbox import CHANCES
 
-MARK = 0x72706666
-"""The application's mark in the file: other files of SQLite are no fleets."""
-
-TABLES = """
-CREATE TABLE robot (number INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, token BLOB NOT NULL UNIQUE,
-    heard INTEGER, clock_ahead REAL, waiting INTEGER) STRICT;
-CREATE TABLE epoch (robot INTEGER NOT NULL REFERENCES robot, number INTEGER NOT NULL, name TEXT NOT NULL,
-    last INTEGER NOT NULL, reports INTEGER NOT NULL, thinned INTEGER NOT NULL, missing INTEGER NOT NULL,
-    PRIMARY KEY (robot, number), UNIQUE (robot, name)) STRICT, WITHOUT ROWID;
-CREATE TABLE report (robot INTEGER NOT NULL, epoch INTEGER NOT NULL, seq INTEGER NOT NULL, time INTEGER NOT NULL,
-    received INTEGER NOT NULL, thinned INTEGER NOT NULL, figures BLOB NOT NULL,
-    PRIMARY KEY (robot, epoch, seq)) STRICT, WITHOUT ROWID;
-CREATE TABLE newest (robot INTEGER PRIMARY KEY, epoch INTEGER NOT NULL, seq INTEGER NOT NULL, time INTEGER NOT NULL,
-    received INTEGER NOT NULL, figures BLOB NOT NULL, chance_0 REAL, chance_1 REAL, chance_2 REAL) STRICT;
-CREATE INDEX newest_0 ON newest (chance_0);
-CREATE INDEX newest_1 ON newest (chance_1);
-CREATE INDEX newest_2 ON newest (chance_2);
-CREATE TABLE present (robot INTEGER PRIMARY KEY, epoch INTEGER NOT NULL, revision INTEGER NOT NULL,
-    design TEXT, design_hash TEXT, time INTEGER, ahead TEXT NOT NULL, ledger BLOB NOT NULL, report BLOB NOT NULL,
-    sum INTEGER NOT NULL) STRICT;
-CREATE TABLE refused (robot TEXT NOT NULL, why TEXT NOT NULL, number INTEGER NOT NULL, last INTEGER NOT NULL,
-    PRIMARY KEY (robot, why)) STRICT, WITHOUT ROWID;
-"""
-"""Tables of a new fleet.
-
-``epoch.number`` is the order in which a robot's epochs came, which is its own order, as it sends nothing before what is
-older is committed. ``missing`` are numbers of reports that neither came nor were let go of by the robot. ``present``
-has of the whole report, beside it, what is asked of many robots at once: ``ahead`` are the probabilities of failing
-with what each is mostly of, as JSON.
-"""
-
-STEPS: Mapping[int, str] = {}
-"""The statements that turn the tables of a version into those of the next."""
-
-VERSION = 1
-"""Version of the tables; kept in the file's user_version."""
+VERSION = 2
+"""Version of the tables."""
 
 
-def prepare(base: sqlite3.Connection, path: Path) -> None:
-    """Make the tables in an empty file, or bring those of an earlier version to this one, all of it or nothing.
+class Table(NamedTuple):
+    """A table, and what becomes of a row whose key is there already."""
 
-    Raises StoreError where the file is something else, or of a newer version.
-    """
-    base.execute("PRAGMA journal_mode = WAL")
-    base.execute("PRAGMA synchronous = FULL")
-    base.execute("BEGIN IMMEDIATE")
-    try:
-        _prepare(base, path)
-        base.execute("COMMIT")
-    except BaseException:
-        if base.in_transaction:
-            base.execute("ROLLBACK")
-        raise
+    name: str
+    columns: tuple[str, ...]
+    """Name and type of each, as SQLite names types; ``NULL`` behind the type of those that may have no value."""
+    key: tuple[str, ...]
+    kept: str = "DO NOTHING"
+    """The SQL behind ON CONFLICT, of what is done then."""
 
+    @property
+    def names(self) -> list[str]:
+        """Names of the columns, in their order."""
+        return [one.partition(" ")[0] for one in self.columns]
 
-def _prepare(base: sqlite3.Connection, path: Path) -> None:
-    (version,) = base.execute("PRAGMA user_version").fetchone()
-    (mark,) = base.execute("PRAGMA application_id").fetchone()
-    if not version and not mark and not base.execute("SELECT 1 FROM sqlite_schema LIMIT 1").fetchone():
-        _run(base, f"{TABLES} PRAGMA application_id = {MARK};")
-    elif mark != MARK:
-        raise StoreError(f"{path}: is no fleet's store; expected one of robophm fleet, or a new file")
-    elif version > VERSION:
-        raise StoreError(f"{path}: a fleet's store of version {version}; this robophm knows up to version {VERSION}")
-    else:
-        for step in range(version, VERSION):
-            _run(base, STEPS[step])
-    base.execute(f"PRAGMA user_version = {VERSION}")
+    def made(self, types: Mapping[str, str], end: str) -> str:
+        """Return the SQL that makes it, with an engine's own names of types, and what ends its statement."""
+        columns = ", ".join(_column(one, types) for one in self.columns)
+        return f"CREATE TABLE {self.name} ({columns}, PRIMARY KEY ({', '.join(self.key)})){end}"
+
+    def merged(self, source: str) -> str:
+        """Return the SQL that takes in the rows of a source, which is VALUES or a query."""
+        names, key = ", ".join(self.names), ", ".join(self.key)
+        return f"INSERT INTO {self.name} ({names}) {source} ON CONFLICT ({key}) {self.kept}"
 
 
-def _run(base: sqlite3.Connection, statements: str) -> None:
-    """Run statements within the open transaction, which ``executescript`` would end."""
-    for one in statements.split(";"):
-        if one.strip():
-            base.execute(one)
+def _column(said: str, types: Mapping[str, str]) -> str:
+    name, kind, *null = said.split()
+    return f"{name} {types.get(kind, kind)}{'' if null else ' NOT NULL'}"
+
+
+def _replaced(names: list[str], condition: str = "") -> str:
+    return f"DO UPDATE SET {', '.join(f'{name} = excluded.{name}' for name in names)}{condition}"
+
+
+_CHANCES = [f"chance_{at}" for at in range(len(CHANCES))]
+_NEWEST = ["epoch", "seq", "time", "received", "figures", *_CHANCES]
+_PRESENT = ["epoch", "revision", "design", "design_hash", "time", "ahead", "ledger", "report", "sum"]
+
+HEARD = Table(
+    "heard", ("robot INTEGER", "time INTEGER", "clock_ahead REAL", "waiting INTEGER"), ("robot",),
+    _replaced(["time", "clock_ahead", "waiting"]),
+)  # fmt: skip
+"""When each robot last sent something."""
+EPOCH = Table(
+    "epoch",
+    ("robot INTEGER", "number INTEGER", "name TEXT", "last INTEGER", "reports INTEGER", "thinned INTEGER",
+     "missing INTEGER"), ("robot", "number"), _replaced(["last", "reports", "thinned", "missing"]),
+)  # fmt: skip
+"""Stretches of watching; ``number`` is the order in which a robot's epochs came, which is its own order, as it sends
+nothing before what is older is committed. ``missing`` are numbers of reports that neither came nor were let go of."""
+REPORT = Table(
+    "report",
+    ("robot INTEGER", "epoch INTEGER", "seq INTEGER", "time INTEGER", "received INTEGER", "thinned INTEGER",
+     "figures BLOB"), ("robot", "epoch", "seq"),
+)  # fmt: skip
+NEWEST = Table(
+    "newest",
+    ("robot INTEGER", "epoch INTEGER", "seq INTEGER", "time INTEGER", "received INTEGER", "figures BLOB",
+     *(f"{name} REAL NULL" for name in _CHANCES)), ("robot",),
+    _replaced(_NEWEST, " WHERE (excluded.epoch, excluded.seq) > (newest.epoch, newest.seq)"),
+)  # fmt: skip
+"""The newest report of each robot."""
+DAY = Table(
+    "day", ("robot INTEGER", "day INTEGER", "time INTEGER", *(f"{name} REAL NULL" for name in _CHANCES)),
+    ("robot", "day"),
+)  # fmt: skip
+"""The report of each robot that came first of those of a day, by its own clock where that is believed."""
+PRESENT = Table(
+    "present",
+    ("robot INTEGER", "epoch INTEGER", "revision INTEGER", "design TEXT NULL", "design_hash TEXT NULL",
+     "time INTEGER NULL", "ahead TEXT", "ledger BLOB", "report BLOB", "sum INTEGER"), ("robot",),
+    _replaced(_PRESENT, " WHERE (excluded.epoch, excluded.revision) > (present.epoch, present.revision)"),
+)  # fmt: skip
+"""Newest ledgers and whole reports, and beside them what is asked of many robots at once: ``ahead`` are the
+probabilities of failing with what each is mostly of, as JSON."""
+REFUSED = Table(
+    "refused", ("robot TEXT", "why TEXT", "number INTEGER", "last INTEGER"), ("robot", "why"),
+    "DO UPDATE SET number = refused.number + excluded.number, last = excluded.last",
+)  # fmt: skip
+
+MERGED = (HEARD, EPOCH, REPORT, NEWEST, DAY, PRESENT, REFUSED)
+"""The tables into which rows are merged; beside them is ``robot``, whose numbers the engine gives."""
+
+INDEXES = (
+    *(f"CREATE INDEX newest_{at} ON newest ({name})" for at, name in enumerate(_CHANCES)),
+    "CREATE UNIQUE INDEX epoch_name ON epoch (robot, name)",
+)
+
+
+def new_tables(number: str, types: Mapping[str, str], end: str) -> list[str]:
+    """Return the statements that make all tables, in an engine's own words; ``number``: a key that it counts up."""
+    robot = _column("name TEXT", types), _column("token BLOB", types)
+    first = f"CREATE TABLE robot (number {number}, {robot[0]} UNIQUE, {robot[1]} UNIQUE, site TEXT)"
+    return [first, *(table.made(types, end) for table in MERGED), *INDEXES]

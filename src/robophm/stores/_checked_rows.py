@@ -60,6 +60,8 @@ class CheckedTable(NamedTuple):
 
     def keys(self, base: sqlite3.Connection, robot: str) -> set[tuple[Any, ...]]:
         """Return the keys of a robot's rows, from both ends as far as they can be reached: of a damaged table, some."""
+        if not self.key:  # there is one row at most
+            return {()}
         found: set[tuple[Any, ...]] = set()
         names = _names(self.key)
         for order in ("ASC", "DESC"):

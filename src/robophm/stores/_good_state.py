@@ -13,7 +13,8 @@ from typing import Any
 from robophm.core.errors import StoreError
 from robophm.core.files import sync_folder, write_atomically
 from robophm.stores._checked_rows import CheckedTable
-from robophm.stores._tables import LEDGER, PROGRESS, TABLES, make_tables
+from robophm.stores._tables import LEDGER, PROGRESS, TABLES, make_tables, names_in
+from robophm.stores.outbox import OUTBOX, make_outbox
 from robophm.stores.pyramid import Pyramid
 from robophm.stores.store import Restored
 
@@ -79,10 +80,15 @@ def _write(path: Path, found: Mapping[str, Rows], damaged: sqlite3.Connection) -
         base.execute("PRAGMA journal_mode = WAL")
         base.execute("BEGIN IMMEDIATE")
         make_tables(base)
+        histories = [*TABLES[2:]]
+        with suppress(sqlite3.Error, UnicodeError):
+            if names_in(damaged).issuperset(table.name for table in OUTBOX):
+                make_outbox(base)
+                histories += OUTBOX
         for robot, rows in found.items():
             for table in (LEDGER, PROGRESS):
                 table.put(base, robot, rows[table.name])
-            for table in TABLES[2:]:
+            for table in histories:
                 table.put(base, robot, _sound_rows(table, damaged, robot))
             Pyramid(base).take_rows(robot, Pyramid(damaged).sound_rows(robot))
         base.execute("COMMIT")

@@ -33,6 +33,14 @@ _WAITING = CheckedTable(
     "outbox", ("number INTEGER",), ("epoch TEXT", "seq INTEGER", "time INTEGER", "thinned INTEGER", "figures TEXT")
 )
 _EPOCH = CheckedTable("outbox_epoch", (), ("epoch TEXT", "last INTEGER"))
+OUTBOX = (_WAITING, _EPOCH)
+"""The tables of outboxes, which are there once one was begun."""
+
+
+def make_outbox(base: sqlite3.Connection) -> None:
+    """Make the tables of outboxes where they are not there, within a transaction."""
+    for table in OUTBOX:
+        base.execute(table.statement.replace("CREATE TABLE", "CREATE TABLE IF NOT EXISTS"))
 
 
 class Waiting(NamedTuple):
@@ -96,8 +104,7 @@ class Outbox:
         Its name is random, so that a store that was copied or brought back never gives a number twice.
         """
         with self._writing():
-            for table in (_WAITING, _EPOCH):
-                self._base.execute(table.statement.replace("CREATE TABLE", "CREATE TABLE IF NOT EXISTS"))
+            make_outbox(self._base)
             _EPOCH.put(self._base, self._robot, [(secrets.token_hex(8), 0)])
         self.begun = True
 

@@ -58,7 +58,7 @@ def create_app(settings: Settings) -> FastAPI:
         service.close()
 
     app = api(lifespan=lifespan)
-    app.state.service = service
+    app.state.service, app.state.visitors = service, service.visitors
     if (STATIC / "index.html").is_file():
         app.mount("/", StaticFiles(directory=STATIC, html=True), name="page")
     else:

@@ -13,6 +13,7 @@ COMMANDS = {
     "worst": "The robots that fail most probably within a horizon, worst first, and by what.",
     "history": "The figures of one robot over time.",
     "assign": "Which robot takes which task, so that all are most probably completed, and why.",
+    "simulate": "Let simulated robots work, really fail, and report to a running fleet; their records end now.",
     "export": "Write the reports of robots as a table, or their ledgers.",
 }
 

@@ -33,7 +33,7 @@ def command(
     as_json: Json = False,
 ) -> None:
     """Write the reports of robots as a table, or their ledgers."""
-    may_make(to, store, force=force, suffixes=SUFFIXES)
+    may_make(to, Path(store), force=force, suffixes=SUFFIXES)
     count = 0
     try:
         with FleetStore(store) as fleet, replacing(to) as stream:

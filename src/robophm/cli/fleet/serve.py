@@ -34,6 +34,7 @@ def command(
     def ready(address: str, fingerprint: str, _: Callable[[], None]) -> None:
         out = console()
         out.print(f"Robots report to {address}robots/NAME until Ctrl+C", markup=False, soft_wrap=True)
+        out.print(f"Its page is {address}", markup=False, soft_wrap=True)
         if fingerprint:
             said = f"Its certificate has the SHA-256 fingerprint {fingerprint}"
             out.print(said, markup=False, emoji=False, soft_wrap=True)

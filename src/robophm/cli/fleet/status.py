@@ -8,7 +8,8 @@ from robophm.cli.shared.fleet import FleetStorePath
 from robophm.cli.shared.options import Json
 from robophm.cli.shared.output import console, print_json, print_table, table
 from robophm.core.signal import HOUR
-from robophm.fleet.questions import BELIEVED, RobotStatus, refused_of_nobody, status
+from robophm.fleet.commit import BELIEVED
+from robophm.fleet.questions import RobotStatus, refused_of_nobody, status
 from robophm.fleet.store import FleetStore
 from robophm.report.words import count_text, duration_text, moment_text
 

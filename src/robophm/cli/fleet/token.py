@@ -17,11 +17,12 @@ from robophm.fleet.store import FleetStore
 def command(
     robot: Annotated[str, typer.Argument(help="name of the robot in the fleet; of one that is known, its token ends")],
     store: FleetStorePath,
+    site: Annotated[str | None, typer.Option(help="where it works; else as it was")] = None,
     as_json: Json = False,
 ) -> None:
     """Make a robot's token, and print how it reports to the fleet with it."""
     with FleetStore(store, make=True) as fleet:
-        token = fleet.add_token(robot)
+        token = fleet.add_token(robot, site)
     path = f"/robots/{quote(robot, safe='')}"
     if as_json:
         print_json({"robot": robot, "token": token, "path": path})

@@ -9,7 +9,8 @@ import typer
 from robophm.cli.shared.fleet import FleetStorePath
 from robophm.cli.shared.options import Json
 from robophm.cli.shared.output import console, print_json, print_table, table
-from robophm.fleet.questions import BELIEVED, Risk, horizon_of, worst
+from robophm.fleet.commit import BELIEVED
+from robophm.fleet.questions import Risk, horizon_of, worst
 from robophm.fleet.store import FleetStore
 from robophm.report.words import count_text, duration_text, failure_text, moment_text, more_text, percent_text
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -18,7 +17,9 @@ if TYPE_CHECKING:
 TOKEN = "ROBOPHM_FLEET_TOKEN"
 """The variable of the environment that holds a robot's token."""
 
-FleetStorePath = Annotated[Path, typer.Option("--store", help="the fleet's store, a SQLite file")]
+FleetStorePath = Annotated[
+    str, typer.Option("--store", help="the fleet's store: a SQLite file, or postgresql://host/database")
+]
 Fleet = Annotated[
     str | None,
     typer.Option(help=f"send reports to https://host/robots/NAME, with the token in {TOKEN}", metavar="URL"),

@@ -7,7 +7,7 @@ from http.cookies import SimpleCookie
 from typing import Annotated, Any
 from urllib.parse import parse_qs
 
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Depends, Query, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from starlette.concurrency import run_in_threadpool
 
@@ -16,10 +16,18 @@ from robophm.web.access.login_page import HEADERS, login_page
 from robophm.web.access.roles import Role, needs
 from robophm.web.access.users import SESSION, User
 from robophm.web.access.visitors import Visitors, cookie_name, session_of
-from robophm.web.service import Served
 from robophm.web.shapes import Shape
 
 router = APIRouter(tags=["access"])
+
+
+def _visitors(request: Request) -> Visitors:
+    visitors: Visitors = request.app.state.visitors
+    return visitors
+
+
+Visiting = Annotated[Visitors, Depends(_visitors)]
+"""Whoever visits the service, in a route."""
 
 
 class Visitor(Shape):
@@ -71,9 +79,9 @@ def get_access(request: Request) -> Visitor:
 
 @router.get("/api/access/changes")
 @needs("editor")
-def get_changes(service: Served, most: Annotated[int, Query(ge=1, le=20_000)] = 200) -> Changes:
+def get_changes(visitors: Visiting, most: Annotated[int, Query(ge=1, le=20_000)] = 200) -> Changes:
     """The latest changes: who did what, when and from where, and of the design each value before and after."""
-    return Changes(changes=[_told(one) for one in service.visitors.changes.latest(most)])
+    return Changes(changes=[_told(one) for one in visitors.changes.latest(most)])
 
 
 @router.get("/login", include_in_schema=False)
@@ -84,9 +92,9 @@ def get_login() -> Response:
 
 @router.post("/login", include_in_schema=False)
 @needs("viewer")
-async def log_in(request: Request, service: Served) -> Response:
+async def log_in(request: Request, visitors: Visiting) -> Response:
     """Log a person in, by name and password."""
-    visitors, scope = service.visitors, request.scope
+    scope = request.scope
     said = parse_qs((await request.body()).decode("utf-8", "replace"))
     name, password = (said.get(key, [""])[0] for key in ("name", "password"))
     address = visitors.address_of(scope, request.headers)
@@ -104,11 +112,11 @@ async def log_in(request: Request, service: Served) -> Response:
 
 @router.post("/logout", include_in_schema=False)
 @needs("viewer")
-def log_out(request: Request, service: Served) -> Response:
+def log_out(request: Request, visitors: Visiting) -> Response:
     """End the session of whoever asks."""
-    service.visitors.users.log_out(session_of(request.scope, request.headers))
+    visitors.users.log_out(session_of(request.scope, request.headers))
     answer = RedirectResponse("./login", 303, HEADERS)
-    _set_cookie(answer, request, service.visitors, "", 0.0)
+    _set_cookie(answer, request, visitors, "", 0.0)
     return answer
 
 
