@@ -86,7 +86,8 @@ soak: setup peers
 	@$(BIN)/python -m tests.integrity.soak $(if $(HOURS),--hours $(HOURS))
 
 calibrate: setup
-	@$(BIN)/python -m benchmarks.honesty; chance=$$?; $(BIN)/python -m benchmarks.worn_honesty && exit $$chance
+	@$(BIN)/python -m benchmarks.honesty; chance=$$?; $(BIN)/python -m benchmarks.worn_honesty || chance=1; \
+		$(BIN)/python -m benchmarks.replacement_advice && exit $$chance
 
 prognostics: setup
 	@$(BIN)/python -m benchmarks.prognostics --peers
