@@ -55,7 +55,7 @@ peers:
 # Checks and downloads go on beside each other.
 test: setup
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target lint peers
-	$(BIN)/pytest -n 4 --durations=10 --durations-min=1
+	$(BIN)/pytest -n 3 --durations=10 --durations-min=1
 
 # `make test` has a twenty-fifth of the calibration, by a fixed seed, and skips the peers of the extra `peers`.
 test-full: setup
@@ -86,7 +86,8 @@ soak: setup peers
 	@$(BIN)/python -m tests.integrity.soak $(if $(HOURS),--hours $(HOURS))
 
 calibrate: setup
-	@$(BIN)/python -m benchmarks.honesty; chance=$$?; $(BIN)/python -m benchmarks.worn_honesty && exit $$chance
+	@$(BIN)/python -m benchmarks.honesty; chance=$$?; $(BIN)/python -m benchmarks.worn_honesty || chance=1; \
+		$(BIN)/python -m benchmarks.replacement_advice && exit $$chance
 
 prognostics: setup
 	@$(BIN)/python -m benchmarks.prognostics --peers

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import settings
+
 # Busy machines are slow: there is no deadline.
 settings.register_profile("robophm", derandomize=True, database=None, deadline=None)
 settings.load_profile("robophm")

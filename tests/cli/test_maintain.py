@@ -134,15 +134,36 @@ def test_a_part_that_is_inspected(inside, tmp_path):
     words = ("maintain", "robot.yaml", "costs.csv", "--store", "past.db", "--repetitions", 20)
     said = json.loads(inside(*words, "--json").stdout)["inspected"]
     belt = said["belt"]
-    assert belt["readings"] > 100
+    assert belt["others"] == 0
     assert 1 < belt["level"] < 9
+    assert 0 <= belt["fail_before"] < 0.2
     assert belt["cost_per_hour"] < belt["by_age"] <= belt["never"]
     assert said["pump"] == {"why": "the design says no signal of its wear"}
     text = inside(*words).stdout
     assert "Replaced by the wear that is found" in text
+    assert "belt: by its own forecast alone" in text
     assert "pump: when to replace it by inspection cannot be said" in text
     without = json.loads(inside("maintain", "robot.yaml", "costs.csv", "--repetitions", 20, "--json").stdout)
-    assert without["inspected"]["belt"] == {"why": "no readings of its wear; expected a store that has some"}
+    why = "no readings of its wear, and no teachers in the design; expected a store that has some"
+    assert without["inspected"]["belt"] == {"why": why}
+
+
+def test_a_part_that_is_inspected_by_others_that_wore_out(inside, tmp_path):
+    """Belts that all wear along t² within 95 to 105 h, and need no store: looked at cheaply, none has to fail."""
+    (tmp_path / "robot.yaml").write_text(WORN.replace("threshold: 9}", "threshold: 9, teachers: belts.csv}"))
+    rows = [f"{life},{t},{1 + 8 * (t / life) ** 2}\n" for life in range(95, 106) for t in range(life + 1)]
+    (tmp_path / "belts.csv").write_text("unit,time [h],value\n" + "".join(rows))
+    (tmp_path / "costs.csv").write_text("part,preventive,corrective,inspection\nbelt,30,400,0.01\n")
+    words = ("maintain", "robot.yaml", "costs.csv", "--repetitions", 20)
+    belt = json.loads(inside(*words, "--json").stdout)["inspected"]["belt"]
+    assert belt["others"] == 11
+    assert belt["fail_before"] < 0.01
+    # Without a failure, and replaced just before the end, it would cost 30 a life of 100 h, of which half is used.
+    assert 30 / 200 < belt["cost_per_hour"] < 1.2 * 30 / 200
+    assert belt["cost_per_hour"] < belt["by_age"] < belt["never"]
+    # A kind is taken to scatter somewhat more than eleven did.
+    assert belt["never"] == pytest.approx(400 / 200, rel=0.03)
+    assert "belt: by 11 of its kind that wore out" in inside(*words).stdout
 
 
 AGED = ROBOT + "  puzzle: {rate: unknown}\n"

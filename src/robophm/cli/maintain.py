@@ -152,7 +152,7 @@ def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:
     first = gains.for_their_cost({one.path: one.price for one in plan.parts}) if gains else None
     left_out = unknown_in_parts(costs[name].part for name in plan.unknown)
     unknown_gains = gains.unknown if gains else None
-    inspected = by_condition(plan, ledger)
+    inspected = by_condition(robot, plan, ledger)
     ahead = upkeep_of(robot, wishes.store, risk=wishes.risk)
     found = _Answers(plan, left_out, visit, cycles, stock, first, unknown_gains, *inspected, ahead)
     if wishes.calendar:
@@ -215,15 +215,21 @@ def _print_inspected(out: Console, found: _Answers) -> None:
         [name, number_text(one.level, 4), duration_text(one.policy.interval / one.pace),
          *(number_text(1000 * rate * one.pace, 3)
            for rate in (one.policy.cost_rate, one.policy.by_age, one.policy.never)),
+         f"{number_text(100 * one.policy.fails, 2)} %",
          f"{number_text(100 * one.policy.saving, 2)} %" if one.policy.saving > 0 else "–"]
         for name, one in found.inspected.items()
     ]  # fmt: skip
     if rows:
-        columns = ["by inspection", "replace at", "inspect every", "cost per 1000 h", "by age", "if never", "saved"]
+        columns = [
+            "by inspection", "replace at", "inspect every", "cost per 1000 h", "by age", "if never", "fail before",
+            "saved",
+        ]  # fmt: skip
         out.print()
-        print_table(out, table("Replaced by the wear that is found", columns, rows, figures=range(1, 7)))
-        out.print("All three by the law of the wear that was read, a gamma process; a failure shows at once.",
-                  soft_wrap=True)  # fmt: skip
+        print_table(out, table("Replaced by the wear that is found", columns, rows, figures=range(1, 8)))
+        out.print("All by the same paths of wear; a failure shows at once.", soft_wrap=True)
+        for name, one in found.inspected.items():
+            by = f"{one.known} of its kind that wore out" if one.known else "its own forecast alone"
+            out.print(f"{name}: by {by}", markup=False, soft_wrap=True)
     for name, why in found.uninspected.items():
         out.print(f"{name}: when to replace it by inspection cannot be said: {why}", style="yellow", markup=False,
                   soft_wrap=True)  # fmt: skip
@@ -345,9 +351,9 @@ def _json(found: _Answers) -> dict[str, Any]:
         "spares": {name: {"spares": number, "enough_with": sure} for name, (number, sure) in found.spares.items()}
         | dict.fromkeys(plan.unknown),
         "inspected": {
-            name: {"level": one.level, "every_hours": one.policy.interval / one.pace, "readings": one.readings,
+            name: {"level": one.level, "every_hours": one.policy.interval / one.pace, "others": one.known,
                    "cost_per_hour": one.policy.cost_rate * one.pace, "by_age": one.policy.by_age * one.pace,
-                   "never": one.policy.never * one.pace, "age": one.policy.age}
+                   "never": one.policy.never * one.pace, "age": one.policy.age, "fail_before": one.policy.fails}
             for name, one in found.inspected.items()
         } | {name: {"why": why} for name, why in found.uninspected.items()},
         "first": None if found.first is None else [one._asdict() for one in found.first],

@@ -1,100 +1,87 @@
-"""Replacement by condition: simulated lives, and the laws that hold at its ends."""
+"""Replacement by condition: cycles counted one by one, closed forms, and the laws that hold at its ends."""
+
+import math
 
 import numpy as np
 import pytest
-from scipy.stats import gamma
+from scipy.integrate import quad
+from scipy.stats import weibull_min
 
-from robophm.core.errors import DataError
-from robophm.learning.maintenance.condition_based import (
-    GammaWear,
-    age_cost_rate,
-    best_condition_policy,
-    condition_cost_rate,
-)
+from robophm.learning.maintenance.condition_based import WearPaths, age_cost, best_condition_policy, condition_cost
 from robophm.learning.maintenance.replacement_age import Costs
 
-WEAR = GammaWear(0.08, 0.5, 20.0)  # 500 h in the mean, a step of 0.5 each twelve
 COSTS = Costs(300.0, 2000.0, 2.0, 30.0)
+LEVELS = np.array([0.2, 0.5, 0.95])
+SHARES = np.linspace(0, 1, 1001)
+LIVES = weibull_min.ppf((np.arange(400) + 0.5) / 400, 3.0, scale=500.0)
 
 
-def simulated(threshold: float, interval: float, inspection: float, lives: int, seed: int) -> tuple[float, float]:
-    """Cost rate, and its standard error, of lives drawn interval by interval; within one a failure is found by halves.
-
-    The gamma bridge: given what an interval gained, half of it is a Beta share.
-    """
-    rng = np.random.default_rng(seed)
-    spent, lasted = np.zeros(lives), np.zeros(lives)
-    for i in range(lives):
-        x, t = 0.0, 0.0
-        while True:
-            step = rng.gamma(WEAR.shape_rate * interval, WEAR.scale)
-            if x + step >= WEAR.limit:
-                low, width, gained = x, interval, step
-                while width > 1e-4 * interval:
-                    shape = WEAR.shape_rate * width / 2
-                    first = gained * rng.beta(shape, shape)
-                    width /= 2
-                    if low + first >= WEAR.limit:
-                        gained = first
-                    else:
-                        low, gained, t = low + first, gained - first, t + width
-                spent[i] += COSTS.corrective
-                lasted[i] = t + COSTS.corrective_downtime
-                break
-            x, t = x + step, t + interval
-            spent[i] += inspection
-            if x >= threshold:
-                spent[i] += COSTS.preventive
-                lasted[i] = t + COSTS.preventive_downtime
-                break
-    rate = spent.mean() / lasted.mean()
-    return rate, float(np.std(spent - rate * lasted) / np.sqrt(lives) / lasted.mean())
+def test_one_life_by_hand():
+    """Level 0.5 comes at 50 and is found at 60; 0.95 comes at 95, and the next look would be at 120, after the end."""
+    cost = condition_cost(WearPaths(SHARES[None], np.array([[100.0]])), LEVELS, COSTS, 7.0, 30.0)
+    assert cost.rate[:2] == pytest.approx([(300 + 7) / 32, (300 + 2 * 7) / 62])
+    assert cost.rate[2] == pytest.approx((2000 + 3 * 7) / 130)
+    assert cost.fails.tolist() == [0, 0, 1]
 
 
-@pytest.mark.parametrize(
-    ("threshold", "interval", "inspection"), [(12.0, 60.0, 10.0), (18.0, 150.0, 0.0), (4.0, 25.0, 3.0)]
-)
-def test_lives_that_are_simulated_cost_as_much(threshold, interval, inspection):
-    found = condition_cost_rate(WEAR, COSTS, inspection, threshold, interval)
-    rate, error = simulated(threshold, interval, inspection, 4000, seed=2)
-    assert found == pytest.approx(rate, abs=3.5 * error)
-    assert error < 0.03 * rate
+@pytest.mark.parametrize("noise", [0.0, 0.1])
+def test_cycles_that_are_lived_one_by_one_cost_as_much(noise):
+    """Two paths, by the square and by the root of age, of which one ends before it comes to the last level."""
+    wear = np.array([SHARES**2, 0.9 * SHARES**0.5])
+    found = condition_cost(WearPaths(wear, np.array([LIVES, LIVES]), noise), LEVELS, COSTS, 5.0, 120.0)
+    rng = np.random.default_rng(4)
+    for level in range(3):
+        spent, lasted, failed = np.zeros(4000), np.zeros(4000), 0
+        for i, path in enumerate(rng.integers(0, 2, 4000)):
+            end = float(rng.choice(LIVES))
+            at = 120.0
+            while at < end:
+                share = at / end
+                if (0.9 * share**0.5 if path else share**2) + noise * rng.standard_normal() >= LEVELS[level]:
+                    break
+                spent[i] += 5
+                at += 120
+            if at < end:
+                spent[i], lasted[i] = spent[i] + 5 + 300, at + 2
+            else:
+                spent[i], lasted[i], failed = spent[i] + 2000, end + 30, failed + 1
+        rate = spent.mean() / lasted.mean()
+        error = float(np.std(spent - rate * lasted) / math.sqrt(4000) / lasted.mean())
+        both = error * (math.sqrt(1 + 4000 / 800) if noise else 1.0)  # 800 cycles have noise of their own
+        assert found.rate[level] == pytest.approx(rate, abs=3.5 * both)
+        assert found.fails[level] == pytest.approx(failed / 4000, abs=0.04)
 
 
-def test_without_a_threshold_it_is_replacement_by_age():
-    """What every inspection replaces is replaced at an age; what none does, only when it fails."""
+def test_replacement_by_age_is_as_published():
+    """C(T) = (c_p·S + c_f·F)/(∫S + d_p·S + d_f·F), by quadrature; and what every look replaces is replaced by age."""
+    lives = weibull_min.ppf((np.arange(20_000) + 0.5) / 20_000, 3.0, scale=500.0)
     for age in (100.0, 400.0, 900.0):
-        survives = gamma.cdf(WEAR.limit, WEAR.shape_rate * age, scale=WEAR.scale)
-        times = np.linspace(0, age, 20001)
-        lasts = np.trapezoid(gamma.cdf(WEAR.limit, np.maximum(WEAR.shape_rate * times, 1e-12), scale=WEAR.scale), times)
-        spent = COSTS.preventive * survives + COSTS.corrective * (1 - survives)
+        survives = weibull_min.sf(age, 3.0, scale=500.0)
+        lasts = quad(weibull_min.sf, 0, age, args=(3.0, 0.0, 500.0))[0]
+        spent = 300 * survives + 2000 * (1 - survives)
         expected = spent / (lasts + 2 * survives + 30 * (1 - survives))
-        assert age_cost_rate(WEAR, COSTS, age) == pytest.approx(expected, rel=1e-6)
-        assert condition_cost_rate(WEAR, COSTS, 0.0, 1e-12, age) == pytest.approx(expected, rel=1e-6)
-    never = age_cost_rate(WEAR, COSTS, np.inf)
-    assert condition_cost_rate(WEAR, COSTS, 0.0, WEAR.limit * (1 - 1e-12), 1e-2 * 500) == pytest.approx(never, rel=0.35)
+        assert age_cost(lives, COSTS, age).rate == pytest.approx(expected, rel=1e-3)
+        every = condition_cost(WearPaths(SHARES[None], lives[None]), np.array([0.0]), COSTS, 0.0, age).rate
+        assert every == pytest.approx([expected], rel=1e-3)
+    never = 2000 / (weibull_min.mean(3.0, scale=500.0) + 30)
+    assert age_cost(lives, COSTS, math.inf).rate == pytest.approx(never, rel=1e-3)
 
 
-def test_the_best_policy_is_no_worse_than_any_near_it_nor_than_by_age():
-    found = best_condition_policy(WEAR, COSTS, 5.0)
-    for a, b in ((0.95, 1.0), (1.05, 1.0), (1.0, 0.9), (1.0, 1.1)):
-        near = condition_cost_rate(WEAR, COSTS, 5.0, min(a * found.threshold, WEAR.limit), b * found.interval)
-        assert near >= found.cost_rate * (1 - 1e-6)
-    assert found.cost_rate < found.by_age < found.never
-    assert 0 < found.saving < 1
-    dear = best_condition_policy(WEAR, COSTS, 500.0)
-    assert dear.interval > found.interval
-    assert dear.cost_rate > found.cost_rate
-
-
-def test_the_law_is_found_again_in_readings_with_noise():
-    rng = np.random.default_rng(3)
-    times = np.arange(20_000) * 1.0
-    wear = np.concatenate(([0.0], np.cumsum(rng.gamma(WEAR.shape_rate, WEAR.scale, len(times) - 1))))
-    found = GammaWear.of_readings(times, wear + 0.5 * rng.standard_normal(len(times)), 20.0)
-    assert found.mean_rate == pytest.approx(WEAR.mean_rate, rel=0.06)
-    assert found.scale == pytest.approx(WEAR.scale, rel=0.25)
-    with pytest.raises(DataError, match="3 readings; expected at least 8"):
-        GammaWear.of_readings(times[:3], wear[:3], 20.0)
-    with pytest.raises(DataError, match="do not come nearer"):
-        GammaWear.of_readings(times[:50], -wear[:50], 20.0)
+def test_the_best_policy():
+    """Looks that cost nothing find wear just before the end; dear ones are rarer; without reason to replace, never."""
+    costs, paths = Costs(300.0, 2000.0), WearPaths(SHARES[None] ** 2, LIVES[None])
+    free, some, dear = (best_condition_policy(paths, costs, each) for each in (0.0, 5.0, 150.0))
+    assert free.fails < 0.02
+    assert free.cost_rate == pytest.approx(300 / LIVES.mean(), rel=0.06)
+    assert free.cost_rate < some.cost_rate < dear.cost_rate
+    assert some.interval < dear.interval
+    assert some.cost_rate < some.by_age < some.never
+    assert 0 < some.saving < 1
+    for level, interval in ((0.9, 1.0), (1.05, 1.0), (1.0, 0.8), (1.0, 1.3)):
+        near = condition_cost(paths, np.array([level * some.level]), costs, 5.0, interval * some.interval)
+        assert near.rate[0] >= 0.99 * some.cost_rate
+    blurred = best_condition_policy(WearPaths(paths.wear, paths.lives, 0.1), costs, 5.0)
+    assert some.cost_rate < blurred.cost_rate < some.by_age
+    alike = best_condition_policy(paths, Costs(300.0, 300.0), 5.0)
+    assert alike.age is None
+    assert alike.by_age == alike.never

@@ -1,94 +1,79 @@
-"""When to replace a part by the wear that inspections find: the best threshold, and the best time between inspections.
+"""When to replace a part by the wear that inspections find: the best level, and the best time between inspections.
 
-Wear is a gamma process X, from 0 when new: increments over t are Gamma(a·t, θ), never negative. It has failed at L,
-which shows at once. Inspections come every δ; one that finds X ≥ M replaces the part. As X never turns back, a part is
-still there at inspection k exactly if X(kδ) < M, so that all that a cycle costs is a sum of integrals over one density
-(van Noortwijk, Reliab. Eng. Syst. Saf. 94, 2009, §5), and cost per time is that over its mean length (renewal reward).
+A new part goes along one of several paths of wear, each of which may take several lives, all equally likely.
+Inspections come every δ, and read the wear with noise; the first that reads the level M or more replaces the part,
+unless it has failed before, which shows at once. Cost per time is the mean cost of a cycle over its mean length
+(renewal reward; Barlow and Proschan, Mathematical Theory of Reliability, 1965, §3.2), as plain means over paths and
+lives.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import minimize
-from scipy.special import gammainc, gammaincc, gammaincinv
 
-from robophm.core.errors import DataError
 from robophm.learning.maintenance.replacement_age import Costs
 
 Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
 
-FEWEST = 8
-"""Readings from which the law of a part's wear is told."""
+LEVELS = np.linspace(0.02, 0.98, 49)
+"""Levels at which to replace that are looked at, as shares of the way from new to the threshold."""
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(32)
-_U, _W = (_NODES + 1) / 2, _WEIGHTS / 2
-_FORGOTTEN = 1e-10  # chance that a part is still there, below which it is looked at no more
-_MOST_INSPECTIONS = 2000
-_STEADIEST = 1e-4  # of mean·limit, the least variance rate: wear that goes by a rule has none
-_GRID = 14
+INTERVALS = np.geomspace(0.01, 1.5, 50)
+"""Times between inspections that are looked at, as shares of the mean life."""
+
+AGES = np.linspace(0.02, 3.0, 299)
+"""Ages of replacement by age that are looked at, as shares of the mean life."""
+
+
+class CycleCost(NamedTuple):
+    """The cost of replacing parts one after the other; shapes of the policies that are asked about."""
+
+    rate: Array
+    """Cost per unit of time."""
+    fails: Array
+    """Share of parts that fail all the same."""
 
 
 @dataclass(frozen=True)
-class GammaWear:
-    """The law of a part's wear; times of its clock, wear from 0 when new."""
+class WearPaths:
+    """Equally likely paths of wear from new to failure, each with equally likely lives."""
 
-    shape_rate: float
-    """Shape a of what an hour adds."""
-    scale: float
-    """Scale θ of what an hour adds."""
-    limit: float
-    """Wear L at which it has failed."""
+    wear: Array
+    """Wear, as a share of the way to the threshold, at even shares of life from 0 to 1; shape (paths, shares)."""
+    lives: Array
+    """Lives of each path; shape (paths, lives)."""
+    noise: float = 0.0
+    """Standard deviation of a reading [way to the threshold]."""
 
-    @classmethod
-    def of_readings(cls, times: Array, wear: Array, limit: float) -> GammaWear:
-        """Return the law of readings with noise, which neighbouring increments tell from the variance of wear.
-
-        Of increments less their mean, e, noise of variance σ² makes neighbours go against each other, by −σ² each
-        (Whitmore, Lifetime Data Anal. 1, 1995). Raises DataError where there are too few, or they do not grow.
-        """
-        if len(times) < FEWEST:
-            raise DataError(f"{len(times)} readings; expected at least {FEWEST}, to tell the law of its wear")
-        steps, gained = np.diff(times), np.diff(wear)
-        mean = float(gained.sum() / steps.sum())
-        if not (mean > 0 and limit > 0):
-            raise DataError("its readings do not come nearer to their threshold: no time to replace it follows")
-        off = gained - mean * steps
-        variance = float((off @ off + 2 * (off[1:] @ off[:-1])) / steps.sum())
-        variance = max(variance, _STEADIEST * mean * limit)
-        return cls(mean**2 / variance, variance / mean, limit)
-
-    @property
-    def mean_rate(self) -> float:
-        """Return the mean wear per unit of time."""
-        return self.shape_rate * self.scale
-
-    def below(self, wear: npt.ArrayLike, time: npt.ArrayLike) -> Array:
-        """P(X(time) < wear); 1 at time 0."""
-        shape = self.shape_rate * np.asarray(time, dtype=float)
-        level = np.asarray(wear, dtype=float) / self.scale
-        return np.asarray(np.where(shape > 0, gammainc(np.maximum(shape, 1e-300), level), 1.0))
-
-    def lasts(self, wear: Array, time: float) -> Array:
-        """Return the mean time until X has gained so much, or that time is over; shape of ``wear``."""
-        return np.asarray(time * (self.below(wear[..., None], time * _U) @ _W))
+    def at(self, which: Indices, share: Array) -> Array:
+        """Return the wear of paths at shares of their lives; shape of both."""
+        place = share * (self.wear.shape[1] - 1)
+        k = np.minimum(place.astype(np.int64), self.wear.shape[1] - 2)
+        before = self.wear[which, k]
+        result: Array = before + (place - k) * (self.wear[which, k + 1] - before)
+        return result
 
 
 @dataclass(frozen=True)
 class ConditionPolicy:
     """Inspect every so often, and replace what is worn by more than that."""
 
-    threshold: float
-    """Wear M at which an inspection replaces the part."""
+    level: float
+    """Level M at which an inspection replaces the part, as a share of the way to the threshold."""
     interval: float
-    """Time δ between inspections [unit of the clock]."""
+    """Time δ between inspections [unit of the lives]."""
     cost_rate: float
-    """Cost per unit of that clock."""
-    age: float
-    """Best age of replacement by age, by the same law of wear."""
+    """Cost per unit of that time."""
+    fails: float
+    """Share of parts that fail all the same."""
+    age: float | None
+    """Best age of replacement by age, by the same lives; None where only what has failed is best replaced."""
     by_age: float
     """Cost rate of replacement at that age."""
     never: float
@@ -100,63 +85,106 @@ class ConditionPolicy:
         return 1 - self.cost_rate / min(self.by_age, self.never)
 
 
-def condition_cost_rate(wear: GammaWear, costs: Costs, inspection: float, threshold: float, interval: float) -> float:
-    """Return the cost per time of inspecting every ``interval``, each for ``inspection``, and replacing at a threshold.
+class Cycles(NamedTuple):
+    """Means of what comes of parts along each path; shapes (paths, levels)."""
 
-    Where a reading is taken and the part has not failed meanwhile, it is paid for; a failure is replaced at once.
+    fails: Array
+    """Share that fails before an inspection replaces it."""
+    lasts: Array
+    """How long they are there."""
+    looks: Array
+    """How often they are looked at."""
+
+    def cost(self, costs: Costs, inspection: float) -> tuple[Array, Array]:
+        """Return the cost of a cycle and how long it takes, downtime with it; shapes (paths, levels)."""
+        spent, lasts = _ended(costs, self.fails, self.lasts)
+        return spent + inspection * self.looks, lasts
+
+
+def cycles_of(paths: WearPaths, levels: Array, interval: float, seed: int = 0) -> Cycles:
+    """Return what comes of parts that are looked at every ``interval`` and replaced at each level.
+
+    ``levels`` ascend, shape (levels,). ``seed`` of the noise.
     """
-    last = wear.limit / wear.mean_rate / interval
-    count = int(min(max(4 * last + 40, 60), _MOST_INSPECTIONS))
-    k = np.arange(1, count)
-    there = wear.below(threshold, k * interval)
-    k, there = k[there > _FORGOTTEN], there[there > _FORGOTTEN]
-    # X at the beginning of each interval, by quantiles of its law below M: 0 at first.
-    levels = wear.scale * gammaincinv(wear.shape_rate * interval * k[:, None], np.maximum(there[:, None] * _U, 1e-300))
-    left = wear.limit - np.vstack((np.zeros((1, len(_U))), np.minimum(levels, threshold)))
-    weight = np.concatenate(([1.0], there))
-    shape = wear.shape_rate * interval
-    fails = float(weight @ (gammaincc(shape, left / wear.scale) @ _W))
-    length = float(weight @ (wear.lasts(left, interval) @ _W))
-    ends = max(1.0 - fails, 0.0)
-    looked = float(weight.sum()) - fails
-    spent = inspection * looked + costs.preventive * ends + costs.corrective * fails
-    return spent / (length + costs.preventive_downtime * ends + costs.corrective_downtime * fails)
+    which = np.repeat(np.arange(len(paths.lives)), paths.lives.shape[1])
+    order = np.argsort(-paths.lives.ravel(), kind="stable")  # the longest first: those that still live are a slice
+    which, lives = which[order], paths.lives.ravel()[order]
+    rng, width = np.random.default_rng(seed), len(levels) + 1
+    most, passed = np.full(len(lives), -np.inf), np.zeros(len(lives), dtype=np.int64)
+    replaced, looks = np.zeros((2, len(paths.lives), len(levels)))
+
+    def by_path(place: Indices, weights: Array | None = None) -> Array:
+        """Sums of all that passed fewer levels than each, and so many."""
+        each = np.bincount(which[: len(place)] * width + place, weights, minlength=len(paths.lives) * width)
+        return np.cumsum(each.reshape(-1, width), axis=1)[:, :-1].astype(float)
+
+    for k in range(1, math.ceil(lives[0] / interval)):
+        alive = int(np.searchsorted(-lives, -k * interval))
+        read = paths.at(which[:alive], k * interval / lives[:alive])
+        if paths.noise:
+            read = read + paths.noise * rng.standard_normal(alive)
+        most[:alive] = np.maximum(most[:alive], read)
+        now = np.searchsorted(levels, most[:alive], side="right")
+        found = by_path(passed[:alive]) - by_path(now)  # levels that this look finds passed, and none before
+        replaced, looks, passed[:alive] = replaced + found, looks + k * found, now
+    in_vain = by_path(passed, np.ceil(lives / interval) - 1)
+    count = paths.lives.shape[1]
+    return Cycles(
+        1 - replaced / count, (interval * looks + by_path(passed, lives)) / count, (looks + in_vain) / count
+    )  # fmt: skip
 
 
-def age_cost_rate(wear: GammaWear, costs: Costs, age: float) -> float:
-    """Return the cost per time of replacing at an age, never looking; at an infinite one only what has failed."""
-    life = wear.limit / wear.mean_rate
-    until = min(age, 20 * life)
-    edges = np.minimum(np.linspace(0.0, until, 41), until)
-    widths = np.diff(edges)
-    times = edges[:-1, None] + widths[:, None] * _U
-    length = float(widths @ (wear.below(wear.limit, times) @ _W))
-    survives = float(wear.below(wear.limit, until)) if math.isfinite(age) else 0.0
-    spent = costs.preventive * survives + costs.corrective * (1 - survives)
-    down = costs.preventive_downtime * survives + costs.corrective_downtime * (1 - survives)
-    return spent / (length + down)
+def condition_cost(
+    paths: WearPaths, levels: Array, costs: Costs, inspection: float, interval: float, seed: int = 0
+) -> CycleCost:
+    """Return what it costs to inspect every ``interval``, each time for ``inspection``, and replace at each level.
+
+    Arguments as of ``cycles_of``; shapes of what is returned: (levels,).
+    """
+    found = cycles_of(paths, levels, interval, seed)
+    spent, lasts = found.cost(costs, inspection)
+    return CycleCost(spent.mean(axis=0) / lasts.mean(axis=0), found.fails.mean(axis=0))
 
 
-def best_condition_policy(wear: GammaWear, costs: Costs, inspection: float) -> ConditionPolicy:
-    """Return the threshold and the interval that cost least, beside the best age. ``inspection``: cost of one."""
-    life = wear.limit / wear.mean_rate
+def age_cost(lives: Array, costs: Costs, age: npt.ArrayLike) -> CycleCost:
+    """Return what it costs to replace at an age, never looking; at an infinite one only what has failed.
 
-    def cost(x: Array) -> float:
-        share, interval = 1 / (1 + math.exp(-x[0])), math.exp(x[1]) * life
-        if not 1e-3 < interval / life < 4:
-            return math.inf
-        return condition_cost_rate(wear, costs, inspection, share * wear.limit, interval)
+    ``lives``: equally likely, any shape. Shapes of what is returned: of ``age``.
+    """
+    at, each = np.asarray(age, dtype=float)[..., None], np.ravel(lives)
+    fails = (each <= at).mean(axis=-1)
+    spent, lasts = _ended(costs, fails, np.minimum(each, at).mean(axis=-1))
+    return CycleCost(spent / lasts, fails)
 
-    grid = [(a, b) for a in np.linspace(-2.5, 6.0, _GRID) for b in np.linspace(math.log(0.01), math.log(1.5), _GRID)]
-    start = min(grid, key=lambda one: cost(np.array(one)))
-    found = minimize(
-        cost, np.array(start), method="Nelder-Mead", options={"xatol": 1e-3, "fatol": 1e-9, "maxiter": 120}
-    )
-    best = found.x if found.fun <= cost(np.array(start)) else np.array(start)
-    ages = np.geomspace(0.05, 4.0, 200) * life
-    rates = np.array([age_cost_rate(wear, costs, age) for age in ages])
-    i = int(np.argmin(rates))
+
+def _ended(costs: Costs, fails: Array, lasts: Array) -> tuple[Array, Array]:
+    """Cost of what ends a cycle, and how long it takes with its downtime."""
+    down = costs.preventive_downtime * (1 - fails) + costs.corrective_downtime * fails
+    return costs.preventive * (1 - fails) + costs.corrective * fails, lasts + down
+
+
+def best_condition_policy(paths: WearPaths, costs: Costs, inspection: float) -> ConditionPolicy:
+    """Return the level and the interval that cost least, beside the best age. ``inspection``: cost of one.
+
+    The best of many policies looks better than it is on the paths that it was chosen by. What is promised is therefore
+    the cost of each path under the policy that the others choose (cross-validation; Stone, J. R. Stat. Soc. B 36,
+    1974), where there are others.
+    """
+    mean, count = float(paths.lives.mean()), len(LEVELS)
+    intervals = INTERVALS * mean
+    each = [cycles_of(paths, LEVELS, interval) for interval in intervals.tolist()]
+    spent, lasts = (np.hstack(one) for one in zip(*(one.cost(costs, inspection) for one in each), strict=True))
+    fails = np.hstack([one.fails for one in each])
+    best = int(np.argmin(spent.sum(axis=0) / lasts.sum(axis=0)))
+    unseen = np.full(len(spent), best)
+    if len(spent) > 1:
+        unseen = np.argmin((spent.sum(axis=0) - spent) / (lasts.sum(axis=0) - lasts), axis=1)
+    here = np.arange(len(spent)), unseen
+    ages = np.append(math.inf, AGES * mean)  # first: an age that no part comes to is none
+    by_age = age_cost(paths.lives, costs, ages).rate
+    oldest = int(np.argmin(by_age))
     return ConditionPolicy(
-        wear.limit / (1 + math.exp(-best[0])), math.exp(best[1]) * life, cost(best),
-        float(ages[i]), float(rates[i]), age_cost_rate(wear, costs, math.inf),
+        float(LEVELS[best % count]), float(intervals[best // count]), float(spent[here].sum() / lasts[here].sum()),
+        float(fails[here].mean()), float(ages[oldest]) if math.isfinite(ages[oldest]) else None,
+        float(by_age[oldest]), float(by_age[0]),
     )  # fmt: skip

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -64,7 +65,7 @@ class Unit:
 
 
 @dataclass(frozen=True)
-class _Trajectory:
+class Trajectory:
     """Levels that rise from 0 when new to 1 at the threshold, and how long it went on, from its first reading."""
 
     times: Array
@@ -87,13 +88,24 @@ class _Trajectory:
 
     @property
     def at_end(self) -> float:
-        """What it read when it ended, to a millionth."""
+        """Return what it read when it ended, to a millionth."""
         return float(np.interp(self.times[0] + self.duration, self.times, self.wear)) + 1e-6
 
-    def until(self, time: float) -> _Trajectory:
+    def until(self, time: float) -> Trajectory:
         """Return the part of the trajectory that was known at a time since its first reading."""
         known = max(int(np.searchsorted(self.times - self.times[0], time, side="right")), 2)
         return replace(self, times=self.times[:known], wear=self.wear[:known], level=self.level[:known])
+
+
+class UnitsAlike(NamedTuple):
+    """Units of a kind on one scale: 0 as most begin, 1 at the threshold, on signals turned so that wear grows."""
+
+    others: tuple[Trajectory, ...]
+    own: Trajectory | None
+    new: float
+    """Signal at which most begin."""
+    way: float
+    """Change of the signal from there to the threshold."""
 
 
 def forecast_among(
@@ -125,17 +137,12 @@ def forecast_among(
     alone = alone_if(True)
     if alone.worn_out:
         return alone
-    t, y, goal = checked(times, values, threshold, deviation, falls=falls)
+    t, y, _ = checked(times, values, threshold, deviation, falls=falls)
     if alone.renewed is not None:
         t, y = t[t >= alone.renewed], y[t >= alone.renewed]
-    turned = [_turned(one, threshold, k, falls=falls) for k, one in enumerate(others)]
-    new = float(np.median([y[0], *(wear[0] for _, wear, _, _ in turned)]))
-    own_way = goal - new if goal > new else goal - float(y[0])
-    levels = [1 - (limit - wear) / own_way for _, wear, limit, _ in turned]
-    mine = 1 - (goal - y) / own_way
-    width = _width([*levels, mine])
-    courses = [_course(one[0], wear, width, one[3]) for one, wear in zip(turned, levels, strict=True)]
-    now = _Trajectory(t, mine, _level(mine, width), float(t[-1] - t[0]), False)
+    kind = alike(others, threshold, falls=falls, own=(t, y))
+    courses, now = list(kind.others), kind.own
+    assert now is not None
     if not any(one.ended for one in courses):
         return by_stated_life()
     if alone.shows and (now := _looked_at(now)).onset is not None:
@@ -195,6 +202,28 @@ class _Own:
 _Way = _Own | LogStudent
 
 
+def alike(
+    others: Sequence[Unit], threshold: float, *, falls: bool = False, own: tuple[Array, Array] | None = None
+) -> UnitsAlike:
+    """Return units on one scale of wear. ``own``: readings of the unit itself, its values turned so that wear grows.
+
+    Raises DataError for others without two readings.
+    """
+    goal = -threshold if falls else threshold
+    turned = [_turned(one, threshold, k, falls=falls) for k, one in enumerate(others)]
+    starts = [float(wear[0]) for _, wear, _, _ in turned] + ([float(own[1][0])] if own else [])
+    new = float(np.median(starts))
+    if goal <= new:
+        new = float(own[1][0]) if own else min(starts)
+    way = goal - new
+    levels = [1 - (limit - wear) / way for _, wear, limit, _ in turned]
+    mine = [1 - (goal - own[1]) / way] if own else []
+    width = _width([*levels, *mine])
+    courses = tuple(_course(one[0], wear, width, one[3]) for one, wear in zip(turned, levels, strict=True))
+    now = Trajectory(own[0], mine[0], _level(mine[0], width), float(np.ptp(own[0])), False) if own else None
+    return UnitsAlike(courses, now, new, way)
+
+
 def _turned(one: Unit, threshold: float, k: int, *, falls: bool) -> tuple[Array, Array, float, float | None]:
     """Times, wear that grows, threshold, and the end that is told."""
     t, y = np.asarray(one.times, dtype=float), np.asarray(one.values, dtype=float)
@@ -215,11 +244,11 @@ def crossed(times: Array, wear: Array, threshold: float) -> float | None:
     return end
 
 
-def _course(times: Array, wear: Array, width: int, failed: float | None) -> _Trajectory:
+def _course(times: Array, wear: Array, width: int, failed: float | None) -> Trajectory:
     level = _level(wear, width)
     failed = crossed(times, wear, 1.0) if failed is None else failed
     end = float(times[-1]) if failed is None else failed
-    return _Trajectory(times, wear, level, end - float(times[0]), failed is not None)
+    return Trajectory(times, wear, level, end - float(times[0]), failed is not None)
 
 
 def _level(wear: Array, width: int) -> Array:
@@ -244,14 +273,19 @@ def _spikes(wear: Array) -> npt.NDArray[np.bool_]:
     return found
 
 
+def noise_of(levels: Sequence[Array]) -> float:
+    """Return the standard deviation of a reading: how readings differ from the mean of both neighbours, as most do."""
+    rough = [1.4826 / np.sqrt(6) * np.median(np.abs(np.diff(one, 2))) for one in levels if len(one) > 4]
+    return float(np.median(rough)) if rough else 0.0
+
+
 def _width(levels: Sequence[Array]) -> int:
     """The number of readings that make a steady level, a tenth of all readings at most."""
-    rough = [1.4826 / np.sqrt(6) * np.median(np.abs(np.diff(one, 2))) for one in levels if len(one) > 4]
-    wanted = (float(np.median(rough)) / STEADY) ** 2 if rough else 1.0
+    wanted = (noise_of(levels) / STEADY) ** 2
     return max(1, min(int(np.ceil(wanted)), int(np.median([len(one) for one in levels])) // 10))
 
 
-def _ways(now: _Trajectory, others: Sequence[_Trajectory], own: _Own | None, draws: int) -> dict[str, _Way]:
+def _ways(now: Trajectory, others: Sequence[Trajectory], own: _Own | None, draws: int) -> dict[str, _Way]:
     """Every forecast of the remaining time, by name of the way in which it is made; without draws those without any."""
     passed = float(now.times[-1] - now.times[0])
     ended = np.array([one.ended for one in others], dtype=bool)
@@ -276,7 +310,7 @@ def _ways(now: _Trajectory, others: Sequence[_Trajectory], own: _Own | None, dra
     return ways
 
 
-def _since_damage_showed(now: _Trajectory, others: Sequence[_Trajectory], passed: float) -> LogStudent | None:
+def _since_damage_showed(now: Trajectory, others: Sequence[Trajectory], passed: float) -> LogStudent | None:
     """How long they went on since then; None where it does not show yet, or showed all their lives."""
     if now.onset is None or passed < now.onset:
         return None
@@ -288,7 +322,7 @@ def _since_damage_showed(now: _Trajectory, others: Sequence[_Trajectory], passed
     return lasting(durations, ended, none, none[0], passed - now.onset, LIFE_SCATTER)
 
 
-def _looked_at(one: _Trajectory) -> _Trajectory:
+def _looked_at(one: Trajectory) -> Trajectory:
     """Return it with when its damage began to show, by what was known before it ended."""
     passed = one.times - one.times[0]
     known = passed < one.duration if one.ended else passed <= one.duration
@@ -296,7 +330,7 @@ def _looked_at(one: _Trajectory) -> _Trajectory:
     return replace(one, onset=None if began is None else began - float(one.times[0]))
 
 
-def _nearest(now: _Trajectory, others: Sequence[_Trajectory]) -> list[DegradationCurve]:
+def _nearest(now: Trajectory, others: Sequence[Trajectory]) -> list[DegradationCurve]:
     """Courses of those that came to the threshold, and to the present level in a time most like the unit's."""
     level = float(now.level[-1])
     came = [one for one in others if one.ended and one.at_end >= 1]
@@ -315,7 +349,7 @@ def _infinite(own: _Own) -> int:
 
 
 def _from_here(
-    now: _Trajectory, others: Sequence[_Trajectory], level: float, parts: Sequence[float], passed: float
+    now: Trajectory, others: Sequence[Trajectory], level: float, parts: Sequence[float], passed: float
 ) -> LogStudent | None:
     """How long they went on from a level, by how long the last parts of the way there took."""
     mine = now.reached(level)
@@ -335,13 +369,13 @@ def _from_here(
     return lasting(np.array(rows), np.array(ended), np.array(features), own, passed - mine)
 
 
-def _took(one: _Trajectory, came: float, starts: Sequence[float]) -> Array:
+def _took(one: Trajectory, came: float, starts: Sequence[float]) -> Array:
     """Logarithms of how long the ways from lower levels took."""
     since = [one.reached(start) or 0.0 if start > 0 else 0.0 for start in starts]
     return np.log(np.maximum(came - np.array(since), 1e-9 * max(one.duration, 1e-300)))
 
 
-def _weights(now: _Trajectory, others: Sequence[_Trajectory], ways: dict[str, _Way]) -> dict[str, float]:
+def _weights(now: Trajectory, others: Sequence[Trajectory], ways: dict[str, _Way]) -> dict[str, float]:
     """By how well each way foretells the others that ended, from where they were as the unit is; they sum to 1."""
     if len(ways) == 1:
         return dict.fromkeys(ways, 1.0)
@@ -389,7 +423,7 @@ def stacked(prior: Mapping[str, float], scores: Mapping[str, Sequence[float]]) -
     return dict(zip(names, weights.tolist(), strict=True))
 
 
-def _own_of(then: _Trajectory) -> _Own | None:
+def _own_of(then: Trajectory) -> _Own | None:
     """The forecast that another unit's own models had given; None where they had too few readings."""
     try:
         return _Own(forecast(then.times, then.wear, 1.0, draws=1000, judged=False).passage)
