@@ -23,9 +23,9 @@ FLAGS = ["--no-sandbox", "--disable-background-networking", "--disable-component
          "--no-first-run", "--disable-gpu"]  # fmt: skip
 
 
-@pytest.fixture(scope="package")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    """One for all tests of the page."""
+    """One for all tests of a file: while it is there, its thread can run no other event loop."""
     chromium = shutil.which("chromium")
     if not chromium or not (STATIC / "index.html").is_file():
         pytest.skip(NO_BROWSER)
