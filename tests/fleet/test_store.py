@@ -13,6 +13,7 @@ import pytest
 from tests.fleet.postgresql_server import missing
 
 from robophm.core.errors import RobophmError, StoreError
+from robophm.fleet.engines import engine as engine_of_any
 from robophm.fleet.engines import sqlite
 from robophm.fleet.payload import Payload, PresentState, Report
 from robophm.fleet.questions import present, reports, status, worst
@@ -181,7 +182,8 @@ def test_two_who_write_to_one_store_lose_nothing(address, store):
 def test_an_older_version_is_brought_to_this_one_and_a_newer_one_refused(address, monkeypatch):
     FleetStore(address, make=True).close()
     engine = postgresql if "://" in address else sqlite
-    monkeypatch.setattr(engine, "VERSION", VERSION + 1)
+    for one in (engine, engine_of_any):
+        monkeypatch.setattr(one, "VERSION", VERSION + 1)
     monkeypatch.setitem(engine.STEPS, VERSION, ["ALTER TABLE robot ADD COLUMN colour TEXT"])
     with FleetStore(address) as store:
         assert store.rows("SELECT colour FROM robot") == []

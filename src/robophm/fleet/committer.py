@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 from starlette.concurrency import run_in_threadpool
 
-from robophm.core.errors import RobophmError
 from robophm.fleet.commit import Committed
 from robophm.fleet.payload import Payload
 from robophm.fleet.store import FleetStore
@@ -69,7 +68,7 @@ class Committer:
         except Exception as error:  # whatever it is, each of those who wait is told of it
             for one in some:
                 if not one.done.done():
-                    one.done.set_exception(error if isinstance(error, RobophmError) else RuntimeError(str(error)))
+                    one.done.set_exception(error)
             return
         for one, committed in zip(some, found, strict=True):
             if not one.done.done():  # its robot may be gone

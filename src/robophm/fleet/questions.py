@@ -22,7 +22,7 @@ from robophm.stores.outbox import BOUNDS, CHANCES, COLUMNS, HORIZONS
 AT_ONCE = 20_000
 """Reports that are in memory at a time."""
 
-_STATE, _BOUND = COLUMNS.index("state"), COLUMNS.index("bound")
+_STATE, _BOUND, _LIFE = (COLUMNS.index(name) for name in ("state", "bound", "remaining_life.sensor_based"))
 
 
 class RobotStatus(NamedTuple):
@@ -138,11 +138,8 @@ def worst(store: FleetStore, horizon: float, most: int) -> Worst:
     found = []
     for name, number, epoch, seq, time, received, kept, clock_ahead, ahead in rows:
         figures = figures_of_bytes((number, epoch, seq), time, kept)
-        why: dict[str, Any] = next((one for one in json.loads(ahead or "[]") if one["horizon"] == horizon), {})
-        life = figures[COLUMNS.index("remaining_life.sensor_based")]
-        bound = None if math.isnan(figures[_BOUND]) else BOUNDS[int(figures[_BOUND])]
-        found.append(Risk(name, figures[COLUMNS.index(CHANCES[at])], bound, why.get("first"), why.get("share"),
-                          state_of(figures), life, time, received, clock_ahead))  # fmt: skip
+        found.append(Risk(name, figures[COLUMNS.index(CHANCES[at])], bound_of(figures), *mostly_by(ahead, horizon),
+                          state_of(figures), life_of(figures), time, received, clock_ahead))  # fmt: skip
     of = store.rows(f"SELECT count(*) FROM newest WHERE {column} IS NOT NULL")[0][0]
     return Worst(horizon, found, of, store.rows("SELECT count(*) FROM robot")[0][0] - of)
 
@@ -240,6 +237,25 @@ def present(store: FleetStore, robot: str) -> tuple[str, dict[str, Any] | None] 
     return zlib.decompress(ledger).decode(), json.loads(zlib.decompress(report))
 
 
+def mostly_by(ahead: str | None, horizon: float) -> tuple[str | None, float | None]:
+    """Return the part of which most failures within a horizon [h] would come, and its share; None where it is not told.
+
+    ``ahead``: the column of that name, or nothing.
+    """
+    told: dict[str, Any] = next((one for one in json.loads(ahead or "[]") if one["horizon"] == horizon), {})
+    return told.get("first"), told.get("share")
+
+
 def state_of(figures: tuple[float, ...]) -> str | None:
     """Return the state in figures in one word; None where they have none."""
     return None if math.isnan(figures[_STATE]) else STATES[int(figures[_STATE])]
+
+
+def bound_of(figures: tuple[float, ...]) -> str | None:
+    """Return the relation of the probabilities in figures to the true ones; None where they are these."""
+    return None if math.isnan(figures[_BOUND]) else BOUNDS[int(figures[_BOUND])]
+
+
+def life_of(figures: tuple[float, ...]) -> float:
+    """Return the median remaining life in figures [h]; NaN where it is not known."""
+    return figures[_LIFE]

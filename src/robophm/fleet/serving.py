@@ -37,9 +37,8 @@ def serve_fleet(settings: FleetSettings, ready: Callable[[str, str, Callable[[],
     """
     proxies = Proxies(settings.proxies)
     with heeding() as wish, FleetStore(settings.store, make=True) as store:
-        beside = (
-            Path("robophm-fleet") if "://" in str(settings.store) else Path(settings.store)
-        )  # a database has no folder
+        of_database = "://" in str(settings.store)  # which has no folder
+        beside = Path("robophm-fleet" if of_database else settings.store)
         certificate = settings.certificate
         if not (certificate or proxies or is_loopback(settings.host)):
             certificate = own_certificate(Path(f"{beside}.pem"), settings.host)

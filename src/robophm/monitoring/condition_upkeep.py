@@ -73,8 +73,9 @@ def _paths(one: PartPlan, ledger: Ledger | None, others: Sequence[Unit]) -> Poss
     course = ledger.wear.get(one.mode.key) if ledger else None
     read = course.readings(said) if course else None
     if others:
-        told = read and len(read.ages) > 1 and bool((np.diff(read.ages) > 0).all())
-        return paths_of_others([*others, Unit(read.ages, read.values)] if read and told else others, said.threshold)
+        if read is not None and len(read.ages) > 1 and (np.diff(read.ages) > 0).all():
+            others = [*others, Unit(read.ages, read.values)]
+        return paths_of_others(others, said.threshold)
     if read is None:
         raise DataError("no readings of its wear, and no teachers in the design; expected a store that has some")
     worn = worn_of(one.mode, read, WearOptions(changes=False))

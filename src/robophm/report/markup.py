@@ -8,7 +8,7 @@ import unicodedata
 from typing import SupportsIndex
 
 _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-_EMPTY = frozenset({"path", "rect", "circle"})  # the others have a closing tag: HTML takes no <div/>
+_EMPTY = frozenset({"path", "rect", "circle", "input"})  # the others have a closing tag: HTML takes no <div/>
 _NARROW, _WIDE = frozenset("iIljtfr.,:;'|!()[]{}/\\- "), frozenset("mwMW@%…—–+×<>=")
 
 

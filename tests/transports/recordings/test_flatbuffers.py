@@ -8,7 +8,7 @@ import math
 import random
 import re
 import struct
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -210,6 +210,14 @@ def test_damaged_messages_and_schemas_cost_themselves(tmp_path: Path) -> None:
     assert read > 70
 
 
+def as_often(builder: Any, start: Callable[[Any, int], object], one: int, count: int) -> int:
+    """A vector that has one table so often."""
+    start(builder, count)
+    for _ in range(count):
+        builder.PrependUOffsetTRelative(one)
+    return int(builder.EndVector())
+
+
 def shared_tables(count: int, length: int) -> bytes:
     """A list of scenes, each of which is one and the same table, with one and the same list of cubes in it."""
     builder = flatbuffers.Builder(0)
@@ -217,18 +225,12 @@ def shared_tables(count: int, length: int) -> bytes:
     text = builder.CreateString("x" * length)
     cube.Start(builder)
     one = cube.End(builder)
-    entity.StartCubesVector(builder, count)
-    for _ in range(count):
-        builder.PrependUOffsetTRelative(one)
-    cubes = builder.EndVector()
+    cubes = as_often(builder, entity.StartCubesVector, one, count)
     entity.Start(builder)
     entity.AddCubes(builder, cubes)
     entity.AddId(builder, text)
     scene = entity.End(builder)
-    update.StartEntitiesVector(builder, count)
-    for _ in range(count):
-        builder.PrependUOffsetTRelative(scene)
-    scenes = builder.EndVector()
+    scenes = as_often(builder, update.StartEntitiesVector, scene, count)
     update.Start(builder)
     update.AddEntities(builder, scenes)
     builder.Finish(update.End(builder))

@@ -27,28 +27,28 @@ export default function Overview(): ReactNode {
   if (!design || empty) return null;
   return (
     <>
-      <div className="head">
-        <h1>{design.name}</h1>
-        {health && <State of={health.state} limited={health.limits_set} />}
-        {health && !health.limits_set && <span className="quiet small">no thresholds are set: nothing is called too low (<a href="#/settings">set some</a>)</span>}
-        {health && health.alarms > 0 && (
-          <a href="#/alarms">
-            {health.alarms} {health.alarms === 1 ? "alarm" : "alarms"}
-            {health.unacknowledged > 0 && `, ${health.unacknowledged} not acknowledged`}
-          </a>
-        )}
-        <span className="quiet small">{health?.time != null && `up to ${momentText(health.time)}`}</span>
-        <span className="grow" />
-        <Watching />
-      </div>
-      {!design.valid && (
-        <div className="trouble" role="alert">
-          <h2>The design is not complete yet</h2>
-          <ProblemList problems={design.problems.filter((one) => one.level === "error")} />
+        <div className="head">
+          <h1>{design.name}</h1>
+          {health && <State of={health.state} limited={health.limits_set} />}
+          {health && !health.limits_set && <span className="quiet small">no thresholds are set: nothing is called too low (<a href="#/settings">set some</a>)</span>}
+          {health && health.alarms > 0 && (
+            <a href="#/alarms">
+              {health.alarms} {health.alarms === 1 ? "alarm" : "alarms"}
+              {health.unacknowledged > 0 && `, ${health.unacknowledged} not acknowledged`}
+            </a>
+          )}
+          <span className="quiet small">{health?.time != null && `up to ${momentText(health.time)}`}</span>
+          <span className="grow" />
+          <Watching />
         </div>
-      )}
-      {error && design.valid && <div className="trouble" role="alert">{error}</div>}
-      {health && <Figures health={health} />}
+        {!design.valid && (
+          <div className="trouble" role="alert">
+            <h2>The design is not complete yet</h2>
+            <ProblemList problems={design.problems.filter((one) => one.level === "error")} />
+          </div>
+        )}
+        {error && design.valid && <div className="trouble" role="alert">{error}</div>}
+        {health && <Figures health={health} />}
     </>
   );
 }

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from typing import Any
 
-from robophm.fleet.tables import Table
+from robophm.core.errors import StoreError
+from robophm.fleet.tables import VERSION, Table
 
 Row = tuple[Any, ...]
 
@@ -46,6 +47,16 @@ class Engine(ABC):
     @abstractmethod
     def insert_new(self, table: Table, rows: Sequence[Row]) -> set[Row]:
         """Take in the rows whose keys are not there, within the transaction; return their keys."""
+
+    def steps_from(self, version: int, steps: Mapping[int, Sequence[str]]) -> list[str]:
+        """Return the statements that turn the tables of a version into those of this one, by those of each version.
+
+        Raises StoreError for a later version.
+        """
+        if version > VERSION:
+            raise StoreError(f"{self.place}: a fleet's store of version {version}; this robophm knows up to version "
+                             f"{VERSION}")  # fmt: skip
+        return [one for step in range(version, VERSION) for one in steps[step]]
 
     @abstractmethod
     def close(self) -> None:

@@ -70,12 +70,8 @@ class PostgresqlEngine(Engine):
                 self._writer.execute(one)
             return
         ((version,),) = self.ask("SELECT number FROM version")
-        if version > VERSION:
-            raise StoreError(f"{self.place}: a fleet's store of version {version}; this robophm knows up to version "
-                             f"{VERSION}")  # fmt: skip
-        for step in range(version, VERSION):
-            for one in STEPS[step]:
-                self._writer.execute(one)
+        for one in self.steps_from(version, STEPS):
+            self._writer.execute(one)
         self._writer.execute(f"UPDATE version SET number = {VERSION}")
 
     @property

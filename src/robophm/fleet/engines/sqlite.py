@@ -69,13 +69,9 @@ class SqliteEngine(Engine):
             run(f"PRAGMA application_id = {MARK}")
         elif mark != MARK:
             raise StoreError(f"{self.place}: is no fleet's store; expected one of robophm fleet, or a new file")
-        elif version > VERSION:
-            raise StoreError(f"{self.place}: a fleet's store of version {version}; this robophm knows up to version "
-                             f"{VERSION}")  # fmt: skip
         else:
-            for step in range(version, VERSION):
-                for one in STEPS[step]:
-                    run(one)
+            for one in self.steps_from(version, STEPS):
+                run(one)
         run(f"PRAGMA user_version = {VERSION}")
 
     def rows(self, query: str, values: Sequence[Any] = ()) -> list[Row]:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Sequence
 from typing import Any, Literal, NamedTuple
 
 from robophm.core.signal import HOUR
 from robophm.fleet.figures import figures_of_bytes
-from robophm.fleet.questions import state_of
+from robophm.fleet.questions import bound_of, life_of, mostly_by, state_of
 from robophm.fleet.store import FleetStore
-from robophm.stores.outbox import BOUNDS, COLUMNS, HORIZONS
+from robophm.stores.outbox import HORIZONS
 
 Order = Literal["worst", "risen", "unknown"]
 """Order of the lines: highest probability first, highest rise since a week before first, or those without any."""
@@ -26,8 +25,6 @@ DAY = 24 * HOUR
 
 WEEK_BEFORE = 7, 14
 """Days before the newest report between which the report lies that it is compared with."""
-
-_LIFE, _BOUND = COLUMNS.index("remaining_life.sensor_based"), COLUMNS.index("bound")
 
 
 class Asked(NamedTuple):
@@ -158,14 +155,12 @@ def lines(store: FleetStore, asked: Asked, start: int, most: int) -> list[Line]:
 
 def _line(horizon: float, row: Sequence[Any]) -> Line:
     robot, site, design, number, epoch, seq, time, kept, chance, before, before_time, ahead, heard, clock_ahead = row
-    why: dict[str, Any] = next((one for one in json.loads(ahead or "[]") if one["horizon"] == horizon), {})
     state, life, bound = None, math.nan, None
     if kept is not None:
         figures = figures_of_bytes((number, epoch, seq), time, kept)
-        state, life = state_of(figures), figures[_LIFE]
-        bound = None if math.isnan(figures[_BOUND]) else BOUNDS[int(figures[_BOUND])]
-    return Line(robot, site, design, chance, bound, before, before_time, why.get("first"), why.get("share"), state,
-                life, time, heard, clock_ahead)  # fmt: skip
+        state, life, bound = state_of(figures), life_of(figures), bound_of(figures)
+    return Line(robot, site, design, chance, bound, before, before_time, *mostly_by(ahead, horizon), state, life, time,
+                heard, clock_ahead)  # fmt: skip
 
 
 def count(store: FleetStore, asked: Asked) -> int:

@@ -95,8 +95,11 @@ def _known(shown: Fleet, horizon: str) -> Iterator[str | Html]:
             f": not heard for {duration_text(SILENT)} or more, or never. All that is said of them is as of then.",
         )
     if shown.refused:
-        said = "; ".join(f"{why} ({count_text(number)} times)" for why, number in shown.refused.items())
-        yield f"Refused, without being known whose it was: {said}."
+        yield f"Refused, without being known whose it was: {_refusals(shown.refused)}."
+
+
+def _refusals(refused: Mapping[str, int]) -> str:
+    return "; ".join(f"{why} ({count_text(number)} times)" for why, number in refused.items())
 
 
 def _p(*parts: str) -> Html:
@@ -125,11 +128,11 @@ def _form(asked: Asked) -> Html:
         return element("label", label, element("select", *options, name_=name))
 
     kept = [
-        Html(element("input", type="hidden", name_=name, value=value or None).removesuffix("</input>"))
+        element("input", type="hidden", name_=name, value=value)
         for name, value in (("design", asked.design), ("site", asked.site))
         if value is not None
     ]
-    search = Html(element("input", type="search", name_="search", value=asked.search).removesuffix("</input>"))
+    search = element("input", type="search", name_="search", value=asked.search)
     return element(
         "form",
         *kept,
@@ -265,13 +268,13 @@ def _robot_sections(shown: Robot) -> Iterator[Html | str]:
     one = shown.status
     yield _STYLE
     yield element("nav", element("a", "Fleet", href="./"), aria_label="Way back")
-    notes = [f"{why} ({count_text(number)} times)" for why, number in one.refused.items()]
     facts = [
         ("design", one.design or "not told"), ("site", shown.site or "not told"), ("state", one.state or "not known"),
         ("heard", _heard(one.heard, shown.now)), ("newest report", _report_time(one.time, one.clock_ahead)),
         ("reports", count_text(one.reports)), ("let go of by the robot, as too many waited", count_text(one.thinned)),
-        ("missing", count_text(one.missing)), ("waited at the robot then", "–" if one.waiting is None else
-                                               count_text(one.waiting)), ("refused", "; ".join(notes) or "nothing"),
+        ("missing", count_text(one.missing)),
+        ("waited at the robot then", "–" if one.waiting is None else count_text(one.waiting)),
+        ("refused", _refusals(one.refused) or "nothing"),
     ]  # fmt: skip
     yield table_html(("what", "is"), facts, "", "ll")
     if shown.ahead:

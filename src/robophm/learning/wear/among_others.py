@@ -91,6 +91,13 @@ class Trajectory:
         """Return what it read when it ended, to a millionth."""
         return float(np.interp(self.times[0] + self.duration, self.times, self.wear)) + 1e-6
 
+    @property
+    def worked(self) -> npt.NDArray[np.bool_]:
+        """Return which readings are of before its end; shape (readings,)."""
+        passed = self.times - self.times[0]
+        result: npt.NDArray[np.bool_] = passed < self.duration if self.ended else passed <= self.duration
+        return result
+
     def until(self, time: float) -> Trajectory:
         """Return the part of the trajectory that was known at a time since its first reading."""
         known = max(int(np.searchsorted(self.times - self.times[0], time, side="right")), 2)
@@ -324,8 +331,7 @@ def _since_damage_showed(now: Trajectory, others: Sequence[Trajectory], passed: 
 
 def _looked_at(one: Trajectory) -> Trajectory:
     """Return it with when its damage began to show, by what was known before it ended."""
-    passed = one.times - one.times[0]
-    known = passed < one.duration if one.ended else passed <= one.duration
+    known = one.worked
     began = onset(one.times[known], one.wear[known])
     return replace(one, onset=None if began is None else began - float(one.times[0]))
 

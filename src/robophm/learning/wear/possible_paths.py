@@ -127,9 +127,8 @@ def _at(one: Trajectory, since: Array) -> Array:
     """The wear of a unit at times since its first reading, without noise and lag: medians of stretches never fall."""
     from scipy.optimize import isotonic_regression  # takes long to load
 
-    passed = one.times - one.times[0]
-    known = passed < one.duration if one.ended else passed <= one.duration
-    times, found = stretches(passed[known], one.wear[known], KNOTS)
+    known = one.worked
+    times, found = stretches(one.times[known] - one.times[0], one.wear[known], KNOTS)
     levels = np.asarray(isotonic_regression(found).x, dtype=np.float64)
     last = max(levels[-1], 1.0) if one.ended and one.at_end >= 1 else levels[-1]
     result: Array = np.interp(since, np.append(times, one.duration), np.append(levels, last))

@@ -53,14 +53,11 @@ def get_wear(service: Served, mode: Annotated[str, Query(max_length=5000)]) -> W
     exposure, unsettled = service.past(prepared)
     ledger = exposure.settled(unsettled)
     seen = {one.mode: one for one in prepared.seen_wear(exposure, unsettled)}
-    read = {
-        one.path: (one, ledger.wear[one.key].readings(one.wear))
-        for one in prepared.robot.modes
-        if one.path in seen and one.wear and one.key in ledger.wear
-    }
-    if mode not in read:
-        raise DesignError(f"no wear is seen of '{mode}'{nearest(mode, read)}")
-    worn, readings = read[mode]
+    modes = {one.path: one for one in prepared.robot.modes if one.path in seen and one.key in ledger.wear}
+    worn = modes.get(mode)
+    if worn is None or worn.wear is None:
+        raise DesignError(f"no wear is seen of '{mode}'{nearest(mode, modes)}")
+    readings = ledger.wear[worn.key].readings(worn.wear)
     try:
         others = teachers_of(prepared.robot).get(mode, ())
         band = course_to_come(worn_of(worn, readings, WearOptions(changes=False), others))
