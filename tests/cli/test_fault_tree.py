@@ -200,3 +200,33 @@ def test_a_model_of_two_files_and_one_that_constants_decide(inside, tmp_path):
     )
     assert "g: always occurs (exact)" in inside("fault-tree", "sure.xml").stdout
     assert json.loads(inside("fault-tree", "sure.xml", "--json").stdout)["probability"] == 1.0
+
+
+def test_each_sequence_of_an_event_tree(inside, tmp_path):
+    """Beside the top event; together the sequences are sure."""
+    works, fails = "<not><gate name='stop fails'/></not>", "<gate name='stop fails'/>"
+    paths = "".join(
+        f"<path state='{state}'><collect-formula>{formula}</collect-formula><sequence name='{state}'/></path>"
+        for state, formula in (("stops", works), ("hits", fails))
+    )
+    (tmp_path / "stop.xml").write_text(
+        "<opsa-mef><define-initiating-event name='obstacle' event-tree='T'/><define-event-tree name='T'>"
+        "<define-functional-event name='F'/><define-sequence name='stops'/><define-sequence name='hits'/>"
+        f"<initial-state><fork functional-event='F'>{paths}</fork></initial-state></define-event-tree>"
+        "<define-fault-tree name='R'><define-gate name='stop fails'><or><basic-event name='laser'/>"
+        "<basic-event name='brake'/></or></define-gate></define-fault-tree><model-data>"
+        "<define-basic-event name='laser'><float value='0.01'/></define-basic-event>"
+        "<define-basic-event name='brake'><float value='0.02'/></define-basic-event></model-data></opsa-mef>"
+    )
+    said = json.loads(inside("fault-tree", "stop.xml", "--json").stdout)
+    found = {one["name"]: (one["probability"], one["answer"]) for one in said["answers"]}
+    assert found["obstacle: stops"] == (pytest.approx(0.99 * 0.98, rel=1e-12), "exact")
+    assert found["obstacle: hits"][0] == pytest.approx(1 - 0.99 * 0.98, rel=1e-12) == found["stop fails"][0]
+    assert said["sequences_together"] == {"obstacle": pytest.approx(1, rel=1e-12)}
+    text = inside("fault-tree", "stop.xml").stdout
+    assert "The sequences of obstacle together: 1\n" in text
+    alone = inside("fault-tree", "stop.xml", "--top", "hits").stdout
+    assert "2 minimal cut sets: 2 of 1" in alone
+    refused = inside("fault-tree", "stop.xml", "--order", 1)
+    assert refused.returncode != 0
+    assert "--top names one" in refused.stderr

@@ -1,10 +1,15 @@
-"""``robophm fault-tree``: the probability of a top event and its minimal cut sets, of a robot or a model."""
+"""``robophm fault-tree``: the probability of a top event and its minimal cut sets, of a robot or a model.
+
+Of a model that answers more, the probability of each: several top events, sequences of event trees, phases.
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -12,16 +17,17 @@ from robophm.cli.shared.fault_trees import (
     System,
     answer_json,
     answer_text,
-    of_model,
+    of_models,
     of_robot,
     print_sets,
     sets_alone,
     sets_json,
 )
 from robophm.cli.shared.options import ChanceSeed, Json, Limit, MostSets, Order, time_option
-from robophm.cli.shared.output import console, estimate_text, may_write, print_json, write
+from robophm.cli.shared.output import console, estimate_text, may_write, print_json, print_table, table, write
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError
+from robophm.core.json_values import plain
 from robophm.design.file import load
 from robophm.design.importers.open_psa.as_design import as_design
 from robophm.design.importers.open_psa.writing import document
@@ -35,7 +41,7 @@ def command(
         ),
     ],
     function: Annotated[str | None, typer.Option(help="of a robot; default the whole robot")] = None,
-    top: Annotated[str | None, typer.Option(help="gate of a model of which several are used by no other")] = None,
+    top: Annotated[str | None, typer.Option(help="a gate of a model, or a sequence of its event trees, alone")] = None,
     time: Annotated[
         float | None, time_option("--at", "mission time of a model, or of operation of a new robot")
     ] = None,
@@ -49,9 +55,17 @@ def command(
     seed: ChanceSeed = 0,
     as_json: Json = False,
 ) -> None:
-    """The probability of a fault tree's top event, and its minimal cut sets; of a robot, also its fault tree."""
+    """The probability of a fault tree's top event, and its minimal cut sets; of a robot, also its fault tree.
+
+    Of a model with event trees, the probability of each sequence, given its initiating event.
+    """
     may_write(to, *sources)
-    system = system_of(sources, function, top, time, by_chance=monte_carlo is not None)
+    systems = systems_of(sources, function, top, time, by_chance=monte_carlo is not None)
+    if len(systems) > 1:
+        refuse_unused(f"a model that answers {len(systems)} questions; --top names one", ("time", "top", "limit"))
+        each(systems, limit, as_json=as_json)
+        return
+    (system,) = systems
     if monte_carlo:
         estimated(system, monte_carlo, seed, as_json=as_json)
     else:
@@ -90,6 +104,8 @@ def tree(
     out.print(f"{system.name}, {system.when}: occurs with {system.fails(answer_text(answer))}", markup=False,
               soft_wrap=True)  # fmt: skip
     system.print_unknown()
+    if system.model and system.model.exchanged:
+        out.print("Substitutions exchange events in its minimal cut sets: this is the tree of those that are left.")
     out.print(f"{size['basic_events']} basic events, {size['gates']} gates; solved as {answer.modules} modules "
               f"by {answer.nodes} nodes", markup=False)  # fmt: skip
     if listed:
@@ -100,6 +116,48 @@ def tree(
         out.print(f"Written: {to}", markup=False)
 
 
+def each(systems: Sequence[System], limit: float, *, as_json: bool) -> None:
+    """State the probability of each top event and each sequence, and of all sequences of an initiating event."""
+    answers = [_answer(system, limit) for system in systems]
+    sums: dict[str, float] = {}
+    for system, answer in zip(systems, answers, strict=True):
+        if system.model and (initiating := system.model.initiating):
+            known = answer["probability"]
+            sums[initiating] = sums.get(initiating, 0.0) + (math.nan if known is None else known)
+    if as_json:
+        print_json({
+            "when": systems[0].when,
+            "answers": [{"name": system.name, **answer} for system, answer in zip(systems, answers, strict=True)],
+            "sequences_together": plain(sums),
+        })  # fmt: skip
+        return
+    out = console()
+    out.print(f"{len(systems)} answers, {systems[0].when}; --top NAME says more of one", markup=False)
+    rows = [(_words(answer), system.name) for system, answer in zip(systems, answers, strict=True)]
+    print_table(out, table("", ("occurs with", "sequence or top event"), rows))
+    for initiating, total in sums.items():
+        if not math.isnan(total):
+            out.print(f"The sequences of {initiating} together: {total:.6g}", markup=False)
+
+
+def _answer(system: System, limit: float) -> dict[str, Any]:
+    if system.no_chance:
+        return {"answer": "structure alone", "probability": None, "at_least": None, "at_most": None,
+                "without_probability": system.no_chance}  # fmt: skip
+    if system.found is None:
+        sure = system.model.decided if system.model else 0.0
+        return {"answer": "exact", "probability": sure, "at_least": sure, "at_most": sure}
+    return answer_json(system.event.within(limit))
+
+
+def _words(answer: dict[str, Any]) -> str:
+    if "without_probability" in answer:
+        return f"no probability: {answer['without_probability']} basic events have none"
+    if answer["probability"] is None:
+        return f"between {answer['at_least']:.6g} and {answer['at_most']:.6g} (proved bounds)"
+    return f"{answer['probability']:.6g} (exact)"
+
+
 def _without_chances(
     system: System, *, order: int | None, most: int, to: Path | None, limit: float, as_json: bool
 ) -> None:  # fmt: skip
@@ -108,8 +166,8 @@ def _without_chances(
         raise RobophmError(f"{to}: '{system.name}' has no basic events with probabilities, which would be written")
     listed = None
     if system.found is None:
-        sure = float(system.model is not None and system.model.certain)
-        words = f"{'always' if sure else 'never'} occurs (exact): constants and house events decide it"
+        assert system.model is not None
+        sure, words = system.model.decided, system.model.decision
         document = {"answer": "exact", "probability": sure, "at_least": sure, "at_most": sure}
     else:
         words = f"{system.no_chance} basic events have no probability, so that it has none; its structure alone:"
@@ -143,9 +201,9 @@ def estimated(system: System, samples: int, seed: int, *, as_json: bool) -> None
     system.print_unknown()
 
 
-def system_of(
+def systems_of(
     sources: list[Path], function: str | None, top: str | None, time: float | None, *, by_chance: bool
-) -> System:
+) -> list[System]:
     """Read a robot's design or a model; options that do not go with that, or with --monte-carlo, are refused."""
     robot = any(is_design(source) for source in sources)
     if robot and len(sources) > 1:
@@ -155,8 +213,8 @@ def system_of(
     given = ("monte_carlo", "seed") if by_chance else ("order", "most", "to", "limit")
     refuse_unused(path, ("time", "function" if robot else "top", *given))
     if robot:
-        return of_robot(load(sources[0]), function, 1000.0 if time is None else time)
-    return of_model(sources, time, top)
+        return [of_robot(load(sources[0]), function, 1000.0 if time is None else time)]
+    return of_models(sources, time, top)
 
 
 def is_design(path: Path) -> bool:

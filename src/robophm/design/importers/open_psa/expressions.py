@@ -26,9 +26,29 @@ _FUNCTIONS: Mapping[str, tuple[int, int, Callable[..., float]]] = {
     "abs": (1, 1, abs),
     "ceil": (1, 1, math.ceil),
     "floor": (1, 1, math.floor),
+    "mod": (2, 2, math.fmod),
+    "sin": (1, 1, math.sin),
+    "cos": (1, 1, math.cos),
+    "tan": (1, 1, math.tan),
+    "asin": (1, 1, math.asin),
+    "acos": (1, 1, math.acos),
+    "atan": (1, 1, math.atan),
+    "sinh": (1, 1, math.sinh),
+    "cosh": (1, 1, math.cosh),
+    "tanh": (1, 1, math.tanh),
     "mean": (1, 1000, lambda *xs: math.fsum(xs) / len(xs)),
     "min": (1, 1000, min),
     "max": (1, 1000, max),
+    "not": (1, 1, lambda x: float(not x)),
+    "and": (1, 1000, lambda *xs: float(all(xs))),
+    "or": (1, 1000, lambda *xs: float(any(xs))),
+    "eq": (2, 2, lambda x, y: float(x == y)),
+    "df": (2, 2, lambda x, y: float(x != y)),
+    "lt": (2, 2, lambda x, y: float(x < y)),
+    "gt": (2, 2, lambda x, y: float(x > y)),
+    "leq": (2, 2, lambda x, y: float(x <= y)),
+    "geq": (2, 2, lambda x, y: float(x >= y)),
+    "ite": (3, 3, lambda condition, x, y: x if condition else y),
     "periodic-test": (4, 4, lambda *said: _tested(*said)),
     # of what is uncertain, the mean
     "uniform-deviate": (2, 2, lambda low, high: (low + high) / 2),
@@ -49,9 +69,17 @@ class Expressions:
 
     def __init__(self, parameters: Names, time: float | None) -> None:
         self.parameters, self.time = parameters, time
+        self._initiating = ""
+        self._states: Mapping[str, str] = {}
         self._base = ""  # where the expression stands that is worked out
         self._values: dict[str, float] = {}
         self._under_way: list[str] = []
+
+    def happened(self, initiating: str, states: Mapping[str, str]) -> None:
+        """Tell what tests in expressions are about from now on: the initiating event, and the states of the functional
+        events so far."""
+        self._initiating, self._states = initiating, states
+        self._values.clear()  # a parameter may be made of a test
 
     def probability(self, event: Element, base: str = "") -> tuple[float, float]:
         """(p, 1 − p) of a basic event that is defined in ``base``.
@@ -105,6 +133,10 @@ class Expressions:
             if self.time is None:
                 raise said.fault("asks for the mission time; expected the mission time, in hours")
             return self.time
+        if said.tag == "test-initiating-event":
+            return float(said.attributes.get("name") == self._initiating)
+        if said.tag == "test-functional-event":
+            return float(self._states.get(said.attributes.get("name", "")) == said.attributes.get("state", ""))
         if said.tag in _TIMED:
             cumulative = self._cumulative_hazard(said)
             return (
