@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from robophm.core.errors import DesignError
+from robophm.design.importers.open_psa.definitions import Definitions
 from robophm.design.importers.open_psa.model import Model
-from robophm.design.importers.open_psa.reading import Reading
 
 MOST_NAMED = 5
 
@@ -27,19 +27,19 @@ def load_all(path: Path | Sequence[Path], time: float | None = None, top: str | 
     ``time`` is its mission time [h]. ``top``: the name of a gate, or of a sequence, alone. Raises DesignError, one line
     with file and line, for what is no XML, not taken or contradicts itself.
     """
-    reading = Reading([path] if isinstance(path, Path) else list(path), time)
-    return [reading.model(question) for question in reading.questions(top)]
+    definitions = Definitions([path] if isinstance(path, Path) else list(path), time)
+    return [definitions.model(question) for question in definitions.questions(top)]
 
 
 def load(path: Path | Sequence[Path], time: float | None = None, top: str | None = None) -> Model:
     """Read the one thing that a model answers, as ``load_all``. Raises DesignError where it answers several."""
-    reading = Reading([path] if isinstance(path, Path) else list(path), time)
-    questions = reading.questions(top)
+    definitions = Definitions([path] if isinstance(path, Path) else list(path), time)
+    questions = definitions.questions(top)
     if len(questions) > 1:
         names = [f"'{question.name}'{question.where}" for question in questions]
-        more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+        named = ", ".join(names[:MOST_NAMED]) + (f" and {len(names) - MOST_NAMED} more" if names[MOST_NAMED:] else "")
         raise DesignError(
-            f"{reading.where}: answers {len(names)} questions: {', '.join(names[:MOST_NAMED])}{more}; expected one, or "
-            "the name of the top gate or sequence"
+            f"{definitions.where}: answers {len(names)} questions: {named}; expected one, or the name of the top gate "
+            "or sequence"
         )
-    return reading.model(questions[0])
+    return definitions.model(questions[0])

@@ -1,4 +1,4 @@
-"""What an Open-PSA model is asked becomes one fault tree: the gates that it hangs on, and its basic events."""
+"""A question to an Open-PSA model as one fault tree: the gates that it hangs on, and its basic events."""
 
 from __future__ import annotations
 

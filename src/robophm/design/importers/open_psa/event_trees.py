@@ -1,4 +1,4 @@
-"""Event trees of an Open-PSA model: what follows an initiating event, way by way, to the sequences in which it ends.
+"""Event trees of an Open-PSA model: the ways from an initiating event to the sequences in which it ends.
 
 MEF 2.0d, section 6. At each fork a functional event takes one of its states; instructions on the way collect the
 formulas that must be true there, or the probabilities of its branches, and set house events for the formulas that are
@@ -33,12 +33,12 @@ _TARGETS = ("fork", "sequence", "branch")
 
 @dataclass(frozen=True)
 class Way:
-    """What is known on a way through an event tree."""
+    """Knowledge on a way through an event tree: what is set, collected and tested there."""
 
     houses: Mapping[str, bool] = field(default_factory=dict)
     """House events that are set: first those of a phase, then those of the instructions."""
     formulas: tuple[Formula, ...] = ()
-    """What must be true on it."""
+    """Formulas that must be true on it."""
     chance: float | None = None
     """The product of the expressions that were collected; None while there are none."""
     states: Mapping[str, str] = field(default_factory=dict)

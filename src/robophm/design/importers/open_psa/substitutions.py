@@ -1,4 +1,4 @@
-"""Substitutions of an Open-PSA model: what a hypothesis over basic events changes in every question that is asked.
+"""Substitutions of an Open-PSA model: changes that a hypothesis over basic events makes in every question.
 
 MEF 2.0d, section 7.2. Those without a source are declarations: wherever the hypothesis is true the target is, so that
 what contradicts it does not occur. Those with a source exchange events in the minimal cut sets that hold the
@@ -32,7 +32,7 @@ class Declaration(NamedTuple):
 
 
 class Exchange(NamedTuple):
-    """In a minimal cut set that holds any of the hypotheses, the target takes the place of the source."""
+    """An exchange in minimal cut sets that hold any of the hypotheses: the target takes the place of the source."""
 
     hypotheses: tuple[frozenset[str], ...]
     source: frozenset[str]

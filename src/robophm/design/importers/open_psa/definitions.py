@@ -37,14 +37,14 @@ class Question:
     phase: Phase
     ways: tuple[tuple[Formula, ...], ...]
     chance: float | None = None
-    """Its probability, where expressions say it and no formulas."""
+    """The probability, where expressions say it and no formulas."""
     initiating: str = ""
     """The initiating event of a sequence, and the phase."""
     where: str = ""
-    """In which line it is defined, in words."""
+    """The line in which it is defined, in words."""
 
 
-class Reading:
+class Definitions:
     """Reads the files of a model at a mission time [h]. Raises DesignError, one line with file and line."""
 
     def __init__(self, paths: list[Path], time: float | None) -> None:
