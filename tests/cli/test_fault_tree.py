@@ -113,7 +113,7 @@ def test_mistakes_are_one_line(inside, robot, tmp_path):
     assert not (tmp_path / "again.yaml").exists()
 
 
-def test_a_tree_with_not_has_a_probability_and_no_cut_sets(inside, tmp_path):
+def test_a_tree_with_not_has_a_probability_and_prime_implicants(inside, tmp_path):
     (tmp_path / "m.xml").write_text(
         '<opsa-mef><define-fault-tree name="t"><define-gate name="g"><and><basic-event name="a"/><not>'
         '<basic-event name="b"/></not></and></define-gate></define-fault-tree><model-data><define-basic-event name="a">'
@@ -122,7 +122,8 @@ def test_a_tree_with_not_has_a_probability_and_no_cut_sets(inside, tmp_path):
     )
     text = inside("fault-tree", "m.xml").stdout
     assert "occurs with 0.375" in text
-    assert "no minimal cut sets are listed" in text
+    assert "1 prime implicant: 1 of 2\n" in text
+    assert "a, not b" in text
 
 
 def test_common_causes_and_groups_are_events(inside, tmp_path):

@@ -13,10 +13,13 @@ from typing import Annotated, Any
 
 import typer
 
+from robophm.blocks.listed_sets import ListedSets
+from robophm.blocks.top_event import TopEvent
 from robophm.cli.shared.fault_trees import (
     System,
     answer_json,
     answer_text,
+    kind_of_sets,
     of_models,
     of_robot,
     print_sets,
@@ -75,7 +78,7 @@ def command(
 def tree(
     system: System, *, order: int | None, most: int, to: Path | None, limit: float, as_json: bool
 ) -> None:  # fmt: skip
-    """State the probability of the top event, list the cut sets of a coherent tree, and write it where wanted.
+    """State the probability of the top event, list its minimal cut sets or prime implicants, and write it where wanted.
 
     Where it is not solved exactly within ``limit`` seconds, it has proved bounds.
 
@@ -88,7 +91,7 @@ def tree(
         raise RobophmError(f"{to}: {system.unknown.words} would be written as never failing; expected a rate for each")
     text = _design(system, to) if to and is_design(to) else ""
     event, answer = system.event, system.event.within(limit)
-    listed = answer.cut_sets(most, order) if event.tree.coherent else None
+    listed = answer.cut_sets(most, order)
     if to:
         write(to, text or document(system.name, event.tree, event.occurred.tolist(), system.rates))
     size = {"basic_events": len(event.tree.names), "gates": len(event.tree.gates) - len(event.tree.names)}
@@ -96,7 +99,7 @@ def tree(
         print_json({
             "top_event": system.name, "when": system.when, **answer_json(answer), **size,
             "modules": answer.modules, "nodes": answer.nodes,
-            "coherent": event.tree.coherent, "cut_sets": sets_json(listed) if listed else None,
+            "coherent": event.tree.coherent, **_sets(event, listed),
             **system.json,
         })  # fmt: skip
         return
@@ -108,10 +111,7 @@ def tree(
         out.print("Substitutions exchange events in its minimal cut sets: this is the tree of those that are left.")
     out.print(f"{size['basic_events']} basic events, {size['gates']} gates; solved as {answer.modules} modules "
               f"by {answer.nodes} nodes", markup=False)  # fmt: skip
-    if listed:
-        print_sets(listed, "cut")
-    else:
-        out.print("It has 'not' or 'xor' gates: no minimal cut sets are listed.", markup=False)
+    print_sets(listed, kind_of_sets(event))
     if to:
         out.print(f"Written: {to}", markup=False)
 
@@ -173,17 +173,20 @@ def _without_chances(
         words = f"{system.no_chance} basic events have no probability, so that it has none; its structure alone:"
         document = {"answer": "structure alone", "probability": None, "at_least": None, "at_most": None,
                     "without_probability": system.no_chance, "coherent": system.found.tree.coherent}  # fmt: skip
-        if system.found.tree.coherent:
-            listed = sets_alone(system.found.within(limit), most, order)
-        else:
-            words += " it has 'not' or 'xor' gates, so that no minimal cut sets are listed"
+        listed = sets_alone(system.found.within(limit), most, order)
     if as_json:
-        sets = {"cut_sets": sets_json(listed) if listed else None}
+        sets = _sets(system.found, listed) if system.found and listed else {"cut_sets": None}
         print_json({"top_event": system.name, "when": system.when, **document, **sets})
         return
     console().print(f"{system.name}: {words}", markup=False, soft_wrap=True)
-    if listed:
-        print_sets(listed, "cut")
+    if system.found and listed:
+        print_sets(listed, kind_of_sets(system.found))
+
+
+def _sets(event: TopEvent, listed: ListedSets) -> dict[str, Any]:
+    """The entries of a tree's minimal cut sets, or of its prime implicants where it is not coherent."""
+    found = sets_json(listed)
+    return {"cut_sets": found} if event.tree.coherent else {"cut_sets": None, "prime_implicants": found}
 
 
 def estimated(system: System, samples: int, seed: int, *, as_json: bool) -> None:

@@ -143,15 +143,20 @@ def sets_alone(answer: Answer, most: int, order: int | None) -> ListedSets:
     return replace(found, mass=math.nan, sets=sets, neglected=math.nan, whole=math.nan)
 
 
+def kind_of_sets(event: TopEvent) -> str:
+    """Return what the smallest sets that bring about a top event are called."""
+    return "minimal cut set" if event.tree.coherent else "prime implicant"
+
+
 def print_sets(listed: ListedSets, kind: str) -> None:
-    """Print sets for people."""
+    """Print sets of a kind, "minimal cut set" or such, for people."""
     out = console()
     out.print(counted(listed, kind), markup=False)
     rows = [
         (str(len(one.names)), _chance_text(one.probability), _share_text(listed.share(one)), ", ".join(one.names))
         for one in listed.sets
     ]
-    print_table(out, table("", ("parts", "probability", "share", f"minimal {kind} set"), rows, figures=(0, 1, 2)))
+    print_table(out, table("", ("parts", "probability", "share", kind), rows, figures=(0, 1, 2)))
     if rest := left_out(listed):
         out.print(rest, markup=False)
 

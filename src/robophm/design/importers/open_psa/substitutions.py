@@ -127,7 +127,9 @@ class Substitutions:
 
     @staticmethod
     def _sets(model: Model) -> list[frozenset[str]]:
-        listed = model.structure().cut_sets(MOST_SETS + 1).sets
+        event = model.structure()
+        event.tree.must_be_coherent("has no minimal cut sets in which substitutions could exchange events")
+        listed = event.cut_sets(MOST_SETS + 1).sets
         if len(listed) > MOST_SETS:
             raise StructureError(
                 f"'{model.name}' has more than {MOST_SETS:,} minimal cut sets, in which substitutions exchange events"
