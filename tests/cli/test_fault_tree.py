@@ -231,3 +231,24 @@ def test_each_sequence_of_an_event_tree(inside, tmp_path):
     refused = inside("fault-tree", "stop.xml", "--order", 1)
     assert refused.returncode != 0
     assert "--top names one" in refused.stderr
+
+
+def test_what_is_uncertain_is_said_and_drawn(inside, tmp_path):
+    (tmp_path / "m.xml").write_text(
+        '<opsa-mef><define-fault-tree name="t"><define-gate name="g"><basic-event name="a"/></define-gate>'
+        '</define-fault-tree><model-data><define-basic-event name="a"><uniform-deviate><float value="0.1"/>'
+        '<float value="0.3"/></uniform-deviate></define-basic-event></model-data></opsa-mef>'
+    )
+    text = inside("fault-tree", "m.xml").stdout
+    assert "occurs with 0.2 (exact)" in text
+    assert "1 uncertain expression is at its mean; --draws 1000 says how far that may be off." in text
+    said = json.loads(inside("fault-tree", "m.xml", "--draws", 2000, "--json").stdout)
+    assert said["uncertain"] == 1
+    found = [said["uncertainty"][key] for key in ("p05", "median", "p95", "mean")]
+    assert found == pytest.approx([0.11, 0.2, 0.29, 0.2], abs=2e-4)
+    assert (
+        "90 % lie between 0.11 and 0.29: median 0.2, mean 0.2." in inside("fault-tree", "m.xml", "--draws", 2000).stdout
+    )
+    (tmp_path / "sure.xml").write_text((tmp_path / "m.xml").read_text().replace("uniform-deviate", "add"))
+    refused = inside("fault-tree", "sure.xml", "--draws", 10)
+    assert (refused.returncode, "nothing is uncertain in 'g'" in refused.stderr) == (3, True)

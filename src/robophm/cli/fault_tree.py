@@ -11,6 +11,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import typer
 
 from robophm.blocks.listed_sets import ListedSets
@@ -33,7 +34,10 @@ from robophm.core.errors import RobophmError
 from robophm.core.json_values import plain
 from robophm.design.file import load
 from robophm.design.importers.open_psa.as_design import as_design
+from robophm.design.importers.open_psa.model import Array
 from robophm.design.importers.open_psa.writing import document
+
+_QUANTILES = (0.05, 0.5, 0.95)
 
 
 def command(
@@ -55,6 +59,9 @@ def command(
     monte_carlo: Annotated[
         int | None, typer.Option(min=1, max=1_000_000_000, help="only estimate the probability, by so many samples")
     ] = None,
+    draws: Annotated[
+        int | None, typer.Option(min=2, max=1_000_000, help="of what is uncertain in a model, by a Latin hypercube")
+    ] = None,
     seed: ChanceSeed = 0,
     as_json: Json = False,
 ) -> None:
@@ -72,11 +79,12 @@ def command(
     if monte_carlo:
         estimated(system, monte_carlo, seed, as_json=as_json)
     else:
-        tree(system, order=order, most=most, to=to, limit=limit, as_json=as_json)
+        tree(system, order=order, most=most, to=to, limit=limit, draws=draws, seed=seed, as_json=as_json)
 
 
 def tree(
-    system: System, *, order: int | None, most: int, to: Path | None, limit: float, as_json: bool
+    system: System, *, order: int | None, most: int, to: Path | None, limit: float, draws: int | None, seed: int,
+    as_json: bool,
 ) -> None:  # fmt: skip
     """State the probability of the top event, list its minimal cut sets or prime implicants, and write it where wanted.
 
@@ -84,6 +92,8 @@ def tree(
 
     What is written is a model in the Open-PSA format, or where its name ends as a design's does, a design.
     """
+    if draws and not (system.model and system.model.chances and system.model.chances.uncertain):
+        raise RobophmError(f"--draws: nothing is uncertain in '{system.name}'; expected a model with deviates")
     if system.found is None or system.no_chance:
         _without_chances(system, order=order, most=most, to=to, limit=limit, as_json=as_json)
         return
@@ -92,13 +102,14 @@ def tree(
     text = _design(system, to) if to and is_design(to) else ""
     event, answer = system.event, system.event.within(limit)
     listed = answer.cut_sets(most, order)
+    drawn = system.model.drawn(draws, seed) if system.model and draws else None
     if to:
         write(to, text or document(system.name, event.tree, event.occurred.tolist(), system.rates))
     size = {"basic_events": len(event.tree.names), "gates": len(event.tree.gates) - len(event.tree.names)}
     if as_json:
         print_json({
             "top_event": system.name, "when": system.when, **answer_json(answer), **size,
-            "modules": answer.modules, "nodes": answer.nodes,
+            "modules": answer.modules, "nodes": answer.nodes, **_uncertain_json(system, drawn, seed),
             "coherent": event.tree.coherent, **_sets(event, listed),
             **system.json,
         })  # fmt: skip
@@ -109,6 +120,8 @@ def tree(
     system.print_unknown()
     if system.model and system.model.exchanged:
         out.print("Substitutions exchange events in its minimal cut sets: this is the tree of those that are left.")
+    if said := _uncertain_text(system, drawn):
+        out.print(said, markup=False, soft_wrap=True)
     out.print(f"{size['basic_events']} basic events, {size['gates']} gates; solved as {answer.modules} modules "
               f"by {answer.nodes} nodes", markup=False)  # fmt: skip
     print_sets(listed, kind_of_sets(event))
@@ -183,6 +196,37 @@ def _without_chances(
         print_sets(listed, kind_of_sets(system.found))
 
 
+def _uncertain_json(system: System, drawn: Array | None, seed: int) -> dict[str, Any]:
+    count = _uncertain(system)
+    if drawn is None:
+        return {"uncertain": count} if count else {}
+    low, median, high = np.quantile(drawn, _QUANTILES)
+    spread = {"draws": len(drawn), "seed": seed, "mean": drawn.mean(), "p05": low, "median": median, "p95": high}
+    return {"uncertain": count, "uncertainty": plain(spread)}
+
+
+def _uncertain_text(system: System, drawn: Array | None) -> str:
+    count = _uncertain(system)
+    if not count:
+        return ""
+    if drawn is None:
+        are = (
+            "1 uncertain expression is at its mean"
+            if count == 1
+            else f"{count} uncertain expressions are at their means"
+        )
+        return f"{are}; --draws 1000 says how far that may be off."
+    low, median, high = np.quantile(drawn, _QUANTILES)
+    return (
+        f"Of {len(drawn):,} draws of what is uncertain 90 % lie between {low:.4g} and {high:.4g}: "
+        f"median {median:.4g}, mean {drawn.mean():.4g}."
+    )
+
+
+def _uncertain(system: System) -> int:
+    return system.model.chances.uncertain if system.model and system.model.chances else 0
+
+
 def _sets(event: TopEvent, listed: ListedSets) -> dict[str, Any]:
     """The entries of a tree's minimal cut sets, or of its prime implicants where it is not coherent."""
     found = sets_json(listed)
@@ -214,7 +258,8 @@ def systems_of(
     path = "a robot, whose top event is of --function" if robot else "a model, whose top event is of --top"
     path += ", only estimated (--monte-carlo)" if by_chance else ""
     given = ("monte_carlo", "seed") if by_chance else ("order", "most", "to", "limit")
-    refuse_unused(path, ("time", "function" if robot else "top", *given))
+    drawn = () if robot or by_chance else ("draws", "seed")
+    refuse_unused(path, ("time", "function" if robot else "top", *given, *drawn))
     if robot:
         return [of_robot(load(sources[0]), function, 1000.0 if time is None else time)]
     return of_models(sources, time, top)

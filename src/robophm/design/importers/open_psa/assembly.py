@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from robophm.blocks.fault_tree import FaultTree
 from robophm.blocks.graph import ANY, UNIT, Gate
+from robophm.core.errors import RobophmError
 from robophm.core.markup import Element
 from robophm.design.importers.open_psa.common_causes import Group, causes
+from robophm.design.importers.open_psa.deviates import MOST_DRAWN, Levels
 from robophm.design.importers.open_psa.expressions import Expressions
 from robophm.design.importers.open_psa.formulas import Formulas, constant, references
-from robophm.design.importers.open_psa.model import NO_EVENTS, Model
-from robophm.design.importers.open_psa.names import Names, name_of
+from robophm.design.importers.open_psa.model import NO_EVENTS, Array, Model
+from robophm.design.importers.open_psa.names import Named, Names, name_of
 
 MEMBER = "member of a common-cause group"
 """The kind of a basic event whose probability is divided among itself and what fails it together with others."""
@@ -31,6 +33,44 @@ class Formula(NamedTuple):
     houses: Houses = ()
 
 
+class Chances:
+    """The probabilities of basic events, as the expressions of a model say them."""
+
+    def __init__(
+        self, names: Sequence[str], basic: Mapping[str, Named], groups: Sequence[Group], expressions: Expressions
+    ) -> None:
+        """``names``: of all events, of which ``basic`` have expressions of their own, and groups say the others'."""
+        self._names, self._basic, self._groups, self._expressions = names, basic, groups, expressions
+
+    def now(self) -> Array:
+        """Return (p, 1 − p) of each event; shape (events, 2). Raises DesignError where one has none."""
+        found = {one.name: self._expressions.probability(one.said, one.base) for one in self._basic.values()}
+        found |= {name: (p, 1.0 - p) for group in self._groups for name, p in _common(group, self._expressions)}
+        return np.array([found.get(name, (0.0, 1.0)) for name in self._names])
+
+    @property
+    def uncertain(self) -> int:
+        """Return how many uncertain expressions have been worked out, of which the means were taken."""
+        return len(self._expressions.uncertain)
+
+    def drawn(self, count: int, seed: int) -> Array:
+        """Return (p, 1 − p) of each event in so many draws; shape (2, events, draws).
+
+        Raises RobophmError for too many.
+        """
+        if count * len(self._names) > MOST_DRAWN:
+            raise RobophmError(f"{count} draws of {len(self._names)} events: too many; expected fewer draws")
+        levels = Levels(count, seed)
+        found = np.empty((2, len(self._names), count))
+        try:
+            for levels.draw in range(count):
+                self._expressions.drawn(levels)
+                found[:, :, levels.draw] = self.now().T
+        finally:
+            self._expressions.drawn(None)
+        return found
+
+
 class Assembly:
     """The events and gates of one question, each once; events under other house events have other gates."""
 
@@ -39,9 +79,8 @@ class Assembly:
         self._names: list[str] = []
         self._gates: list[Gate] = []
         self._numbers: dict[str, int] = {}
-        self._common: dict[str, float] = {}
-        """Probability of each event of a common-cause group."""
-        self._causes: dict[str, list[tuple[tuple[str, ...], float]]] = {}
+        self._used: dict[str, Group] = {}
+        """Common-cause groups that it hangs on, by their names."""
         self._set: dict[Houses, Formulas] = {}
 
     def value(self, formula: Formula) -> int | bool:
@@ -96,14 +135,10 @@ class Assembly:
         """Yield the events that fail a member of groups: alone, and together with others."""
         for group in self._groups:
             if member in group.members:
-                key = name_of(group.said)
-                if key not in self._causes:
-                    self._causes[key] = list(causes(group, self._expressions))
-                for together, p in self._causes[key]:
+                self._used[name_of(group.said)] = group
+                for together, _ in causes(group, self._expressions):
                     if member in together:
-                        name = f"[{' '.join(together)}]"
-                        self._common[name] = p
-                        yield name
+                        yield f"[{' '.join(together)}]"
 
     def model(self, name: str, whole: int | bool, *, exchanged: bool = False) -> Model:
         """Return the model whose top event is this gate, or which is decided."""
@@ -112,17 +147,24 @@ class Assembly:
         gates, names = list(self._gates), list(self._names)
         if whole < len(gates) - 1:  # the last one is the top
             gates.append(Gate(ANY, (whole,)))
-        basic = {name: self._events.named[name] for name in names if name not in self._common}
+        shared = {name for group in self._used.values() for name, _ in _common(group, self._expressions)}
+        basic = {name: self._events.named[name] for name in names if name not in shared}
         none = tuple(one.said for one in basic.values() if not list(one.said.inside()))
         tree = FaultTree(names, gates)
         if none:
             half = np.full(len(names), 0.5)
             return Model(name, tree, half, half, lives=(None,) * len(names), no_chance=none, exchanged=exchanged)
-        found = {one.name: self._expressions.probability(one.said, one.base) for one in basic.values()}
-        found |= {name: (p, 1.0 - p) for name, p in self._common.items()}
-        p, q = np.array([found[name] for name in names]).T
+        chances = Chances(names, basic, list(self._used.values()), self._expressions)
+        p, q = chances.now().T
         lives = {one.name: self._expressions.life(one.said, one.base) for one in basic.values()}
-        return Model(name, tree, p, q, lives=tuple(lives.get(name) for name in names), exchanged=exchanged)
+        of_each = tuple(lives.get(name) for name in names)
+        return Model(name, tree, p, q, lives=of_each, exchanged=exchanged, chances=chances)
+
+
+def _common(group: Group, expressions: Expressions) -> Iterator[tuple[str, float]]:
+    """The events of a group, by the members that fail in them, and their probabilities."""
+    for together, p in causes(group, expressions):
+        yield f"[{' '.join(together)}]", p
 
 
 def _order(events: Names, said: Element, base: str) -> list[str]:

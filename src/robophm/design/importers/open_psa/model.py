@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +17,17 @@ from robophm.design.importers.open_psa.names import name_of
 
 Array = npt.NDArray[np.float64]
 NO_EVENTS: Array = np.empty(0)
+
+
+class Drawable(Protocol):
+    """Probabilities of basic events that may be uncertain."""
+
+    @property
+    def uncertain(self) -> int:
+        """Return how many uncertain expressions there are, of which the means were taken."""
+
+    def drawn(self, count: int, seed: int) -> Array:
+        """Return (p, 1 − p) of each event in so many draws; shape (2, events, draws)."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +51,8 @@ class Model:
     initiating: str = ""
     """The initiating event of a sequence, and the phase: the sequences of one of them add up to 1 where each of its
     ways ends in a sequence and no two of them can come true at once."""
+    chances: Drawable | None = None
+    """The expressions of its probabilities; None where there are none."""
     exchanged: bool = False
     """Whether it is the tree of the minimal cut sets in which substitutions have exchanged events."""
     no_chance: tuple[Element, ...] = ()
@@ -64,6 +78,17 @@ class Model:
     def probability(self) -> float:
         """Return the probability of the top event. Raises StructureError where it is too large to solve exactly."""
         return self.top_event().probability if self.tree else self.decided
+
+    def drawn(self, count: int, seed: int) -> Array:
+        """Return the probability of the top event in so many draws of what is uncertain; shape (draws,).
+
+        A Latin hypercube. Raises StructureError where the tree is too large to solve exactly, RobophmError for too many
+        draws.
+        """
+        if self.tree is None or self.chances is None:
+            raise StructureError(f"'{self.name}' has no basic events with probabilities, which could be drawn")
+        occurred, not_yet = self.chances.drawn(count, seed)
+        return self.tree.probability(occurred, not_yet)
 
     @property
     def decision(self) -> str:
