@@ -58,8 +58,8 @@ def test_an_error_factor_is_from_the_median_to_its_level(model):
     assert found.probability() == pytest.approx(1.15e-4, rel=1e-12)
     drawn = found.drawn(DRAWS, 0)
     median, high = np.quantile(drawn, [0.5, 0.95])
-    assert high / median == pytest.approx(3, rel=1e-3)
-    assert drawn.mean() == pytest.approx(1.15e-4, rel=3e-3)
+    assert high / median == pytest.approx(3, rel=5e-3)
+    assert drawn.mean() == pytest.approx(1.15e-4, rel=1e-2)
 
 
 def test_independent_factors_and_one_that_is_shared(model):

@@ -1,4 +1,4 @@
-"""What is uncertain in an Open-PSA model: its deviates, their means, and draws of them.
+"""Uncertain expressions of an Open-PSA model: their means, and draws of them.
 
 MEF 2.0d, section 4.4. All draws at once are a Latin hypercube: of n draws of an expression one lies in each of n strata
 of equal probability, in random order (McKay, Beckman and Conover, Technometrics 21, 1979). One definition is one
