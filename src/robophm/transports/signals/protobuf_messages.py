@@ -112,14 +112,14 @@ def _value_of(message: Any, field: str, pairs: set[str]) -> Any:
 
 
 def _pairs(entries: Any) -> list[_Pair]:
-    """The entries of a map in order of their keys, of several with one key the last; what one lacks has its default."""
-    last = {_key(entry.key): entry for entry in entries}
-    found = []
-    for key, entry in sorted(last.items(), key=lambda one: one[1].key):
-        kind = entry.DESCRIPTOR.fields_by_name["value"].enum_type
-        if not (kind and kind.is_closed and not entry.HasField("value")):  # of a number that is none of its enum's
-            found.append(_Pair(key, entry.value))
-    return found
+    """The entries of a map in order of their keys, of several with one key the last; what one lacks has its default.
+
+    One with a field, or a number of its enum, that nobody knows is none, as the library itself has it.
+    """
+    from google.protobuf.unknown_fields import UnknownFieldSet
+
+    last = {_key(entry.key): entry for entry in entries if not len(UnknownFieldSet(entry))}
+    return [_Pair(key, entry.value) for key, entry in sorted(last.items(), key=lambda one: one[1].key)]
 
 
 def _key(key: Any) -> str:
