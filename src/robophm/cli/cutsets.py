@@ -44,4 +44,4 @@ def command(
     has_failed = system.fails(probability_text(answer.chance.low) if answer.exact else answer_text(answer))
     out.print(f"{system.name}, {system.when}: has failed with {has_failed}", markup=False, soft_wrap=True)
     system.print_unknown()
-    print_sets(listed, kind)
+    print_sets(listed, f"minimal {kind} set")

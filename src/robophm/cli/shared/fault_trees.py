@@ -13,7 +13,7 @@ from robophm.blocks.listed_sets import ListedSets
 from robophm.blocks.top_event import Answer, TopEvent
 from robophm.cli.shared.output import console, print_table, table
 from robophm.core.json_values import plain
-from robophm.design.importers.open_psa import Model, load
+from robophm.design.importers.open_psa import Model, load, load_all
 from robophm.design.robot import Robot
 from robophm.health.fault_tree import fault_tree
 from robophm.health.outlooks import as_designed
@@ -77,9 +77,18 @@ def of_robot(robot: Robot, function: str | None, hours: float) -> System:
     return System(f"{robot.name}: {function}" if function else robot.name, when, found, found.rates, found.unknown)
 
 
-def of_model(paths: Sequence[Path], time: float | None, top: str | None) -> System:
-    """Return the system of a model in the Open-PSA format, of one file or several, at a mission time."""
-    model = load(paths, time, top)
+def of_model(path: Path, time: float | None) -> System:
+    """Return the system of a model in the Open-PSA format that answers one question, at a mission time."""
+    return _of(load(path, time), [path], time)
+
+
+def of_models(paths: Sequence[Path], time: float | None, top: str | None) -> list[System]:
+    """Return the top events of a model, of one file or several, and the sequences of its event trees; or those named
+    ``top`` alone."""
+    return [_of(model, paths, time) for model in load_all(paths, time, top)]
+
+
+def _of(model: Model, paths: Sequence[Path], time: float | None) -> System:
     event = model.structure() if model.tree else None
     when = f"at {number_text(time)} h" if time is not None else "as given"
     names = ", ".join(path.name for path in paths)
@@ -134,15 +143,20 @@ def sets_alone(answer: Answer, most: int, order: int | None) -> ListedSets:
     return replace(found, mass=math.nan, sets=sets, neglected=math.nan, whole=math.nan)
 
 
+def kind_of_sets(event: TopEvent) -> str:
+    """Return what the smallest sets that bring about a top event are called."""
+    return "minimal cut set" if event.tree.coherent else "prime implicant"
+
+
 def print_sets(listed: ListedSets, kind: str) -> None:
-    """Print sets for people."""
+    """Print sets of a kind, "minimal cut set" or such, for people."""
     out = console()
     out.print(counted(listed, kind), markup=False)
     rows = [
         (str(len(one.names)), _chance_text(one.probability), _share_text(listed.share(one)), ", ".join(one.names))
         for one in listed.sets
     ]
-    print_table(out, table("", ("parts", "probability", "share", f"minimal {kind} set"), rows, figures=(0, 1, 2)))
+    print_table(out, table("", ("parts", "probability", "share", kind), rows, figures=(0, 1, 2)))
     if rest := left_out(listed):
         out.print(rest, markup=False)
 
