@@ -20,7 +20,7 @@ help:
 	@echo "make test-fresh both commands on machines that have nothing (as root; docs/fresh-machines.md)"
 	@echo "make release    the latest commit in dist/: wheel and sdist, what is in them (SBOM), SHA-256, some minutes"
 	@echo "make calibrate  predictions against 20,000 robots that fail and 1,000 that wear (docs/calibration.md)"
-	@echo "make fuzz       1,200,000 damaged recordings, an hour or more (docs/guides/columns.md)"
+	@echo "make fuzz       1,800,000 damaged recordings, hours (docs/guides/columns.md)"
 	@echo "make integrity  1,000 kills and 1,000 cuts of power, an hour or less (docs/guides/unattended.md)"
 	@echo "make soak       two days of a robot at 600 times their pace, over ROS 1 and over DDS, ten minutes"
 	@echo "make prognostics  when real wear ends, beside SurPyval, two minutes (docs/theory/wear.md)"

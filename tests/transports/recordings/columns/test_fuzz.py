@@ -1,4 +1,4 @@
-"""Some 4,800 damaged recordings; `make fuzz` has a million, by the same mechanism."""
+"""Some 5,200 damaged recordings; `make fuzz` has a million, by the same mechanism."""
 
 from __future__ import annotations
 
