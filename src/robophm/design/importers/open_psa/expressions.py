@@ -9,6 +9,7 @@ from robophm.core.errors import nearest
 from robophm.core.markup import Element
 from robophm.design.importers.open_psa.deviates import DEVIATES, Levels
 from robophm.design.importers.open_psa.names import Names
+from robophm.design.importers.open_psa.periodic_tests import unavailability
 
 _DEPTH = 50  # parameters that are made of parameters
 
@@ -50,7 +51,7 @@ _FUNCTIONS: Mapping[str, tuple[int, int, Callable[..., float]]] = {
     "leq": (2, 2, lambda x, y: float(x <= y)),
     "geq": (2, 2, lambda x, y: float(x >= y)),
     "ite": (3, 3, lambda condition, x, y: x if condition else y),
-    "periodic-test": (4, 4, lambda *said: _tested(*said)),
+    "periodic-test": (4, 11, unavailability),
 }
 _TIMED = ("exponential", "GLM", "Weibull")
 Life = Mapping[str, float]
@@ -231,14 +232,6 @@ class Expressions:
         if not math.isfinite(value):
             raise said.fault(f"'{said.tag}' of {', '.join(f'{x:g}' for x in arguments)} is not a number")
         return value
-
-
-def _tested(rate: float, every: float, first: float, time: float) -> float:
-    """The probability of what fails at a rate and is as new after each test, the first at a time, then every so often
-    (MEF 2.0d, section 4.3.2); at the moment of a test, that right before it.
-    """
-    since = time if time <= first else (time - first) % every or every
-    return -math.expm1(-rate * since)
 
 
 def _glm(gamma: float, rate: float, repair: float, time: float) -> float:
