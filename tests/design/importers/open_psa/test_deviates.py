@@ -77,6 +77,17 @@ def test_independent_factors_and_one_that_is_shared(model):
         assert found.probability() == pytest.approx(np.exp(-10 + 0.36), rel=1e-12)  # at the means
 
 
+def test_a_histogram_is_even_within_its_bins(model):
+    """0 … 0.1 twice, 0.1 … 0.3 four times, 0.3 … 0.5 once as likely as the last."""
+    bins = "".join(f'<bin><float value="{up}"/><float value="{w}"/></bin>' for up, w in ((0.1, 2), (0.3, 4), (0.5, 1)))
+    found = model(A, {"a": f'<histogram><float value="0"/>{bins}</histogram>'})
+    assert found.probability() == pytest.approx((2 * 0.05 + 4 * 0.2 + 0.4) / 7, rel=1e-12)
+    drawn = found.drawn(7000, 0)
+    assert [int(((drawn > low) & (drawn <= high)).sum()) for low, high in ((0, 0.1), (0.1, 0.3), (0.3, 0.5))] == [
+        2000, 4000, 1000
+    ]  # fmt: skip
+
+
 def test_members_of_a_common_cause_group_are_drawn_together(model):
     """Both of two fail by their common cause, half of each's failures, or each by its own: of a uniform probability."""
     group = (

@@ -160,7 +160,7 @@ LAUGHS = "<!DOCTYPE lolz [" + '<!ENTITY a "ha">' + "".join(
          "expected above zero"),
         (event('<div><float value="1"/><float value="0"/></div>'), "'div' of 1, 0 is not a number"),
         (event('<pow><float value="-1"/><float value="0.5"/></pow>'), "'pow' of -1, 0.5 is not a number"),
-        (event('<histogram/>'), "expression 'histogram' is not taken"),
+        (event('<glm/>'), "expression 'glm' is not taken"),
         (event('<parameter name="x"/>'), "parameter 'x' is not defined"),
         (event('<parameter name="x"/></define-basic-event><define-parameter name="x"><parameter name="x"/>'
                '</define-parameter><define-basic-event name="z"><float value="0"/>'), "loop: parameter x → x"),

@@ -66,6 +66,24 @@ def _lognormal_quantile(level: float, *said: float) -> float:
     return math.exp(location + scale * _standard(level))
 
 
+def _bins(said: Sequence[float]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Bounds and shares of the bins of a histogram. Raises ValueError where it is none."""
+    bounds, weights = np.array([said[0], *said[1::2]]), np.array(said[2::2])
+    if len(weights) != len(bounds) - 1 or (np.diff(bounds) <= 0).any() or (weights < 0).any() or not weights.sum():
+        raise ValueError
+    return bounds, weights / weights.sum()
+
+
+def _histogram_mean(*said: float) -> float:
+    bounds, shares = _bins(said)
+    return float(((bounds[:-1] + bounds[1:]) / 2 * shares).sum())
+
+
+def _histogram_quantile(level: float, *said: float) -> float:
+    bounds, shares = _bins(said)
+    return float(np.interp(level, [0.0, *np.cumsum(shares)], bounds))
+
+
 DEVIATES: Mapping[str, Deviate] = {
     "uniform-deviate": Deviate(
         2, 2, lambda low, high: (low + high) / 2, lambda level, low, high: low + level * (high - low)
@@ -75,6 +93,7 @@ DEVIATES: Mapping[str, Deviate] = {
     ),
     "lognormal-deviate": Deviate(2, 3, _lognormal_mean, _lognormal_quantile),
     "gamma-deviate": Deviate(2, 2, lambda shape, scale: shape * scale, _gamma),
+    "histogram": Deviate(3, 2001, _histogram_mean, _histogram_quantile),
     "beta-deviate": Deviate(2, 2, lambda alpha, beta: alpha / (alpha + beta), _beta),
 }
 """The kinds by their names."""

@@ -202,7 +202,7 @@ class Expressions:
         return self._values[name]
 
     def _arguments(self, said: Element, fewest: int, most: int) -> list[float]:
-        inside = list(said.inside())
+        inside = [inner for one in said.inside() for inner in (one.inside() if one.tag == "bin" else (one,))]
         if not fewest <= len(inside) <= most:
             expected = str(fewest) if fewest == most else f"at least {fewest}"
             raise said.fault(f"'{said.tag}' has {len(inside)} arguments; expected {expected}")
