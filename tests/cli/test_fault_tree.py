@@ -2,6 +2,7 @@
 
 import json
 import math
+import random
 
 import pytest
 
@@ -252,6 +253,29 @@ def test_what_is_uncertain_is_said_and_drawn(inside, tmp_path):
     (tmp_path / "sure.xml").write_text((tmp_path / "m.xml").read_text().replace("uniform-deviate", "add"))
     refused = inside("fault-tree", "sure.xml", "--draws", 10)
     assert (refused.returncode, "nothing is uncertain in 'g'" in refused.stderr) == (3, True)
+
+
+def test_bounds_have_an_estimate_beside_them(inside, tmp_path):
+    """At least 20 of 40 gates, each "or" of six of sixty events of 0.1, in a tenth of a second."""
+    draw = random.Random(3)
+    gates = "".join(
+        "<or>" + "".join(f"<basic-event name='e{i}'/>" for i in draw.sample(range(60), 6)) + "</or>" for _ in range(40)
+    )
+    events = "".join(f"<define-basic-event name='e{i}'><float value='0.1'/></define-basic-event>" for i in range(60))
+    (tmp_path / "m.xml").write_text(
+        f"<opsa-mef><define-fault-tree name='t'><define-gate name='g'><atleast min='20'>{gates}</atleast></define-gate>"
+        f"</define-fault-tree><model-data>{events}</model-data></opsa-mef>"
+    )
+    said = json.loads(inside("fault-tree", "m.xml", "--limit", 0.1, "--json").stdout)
+    assert (said["answer"], said["probability"]) == ("proved bounds", None)
+    found = said["estimate"]
+    assert found["low"] < found["probability"] < found["high"] < found["low"] + 0.003
+    assert found["samples"] == 1_000_000
+    assert said["at_least"] <= found["high"]
+    assert said["at_most"] >= found["low"]
+    text = inside("fault-tree", "m.xml", "--limit", 0.1).stdout
+    assert "occurs with a probability between" in text
+    assert "By chance: " in text
 
 
 def test_a_dynamic_tree(inside, tmp_path):

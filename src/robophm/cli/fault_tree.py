@@ -21,9 +21,11 @@ from robophm.cli.shared.fault_trees import (
     System,
     answer_json,
     answer_text,
+    estimated,
     kind_of_sets,
     of_models,
     of_robot,
+    print_estimate,
     print_sets,
     sets_alone,
     sets_json,
@@ -90,7 +92,7 @@ def command(
         return
     (system,) = systems
     if monte_carlo:
-        estimated(system, monte_carlo, seed, as_json=as_json)
+        by_samples(system, monte_carlo, seed, as_json=as_json)
     else:
         tree(system, order=order, most=most, to=to, limit=limit, draws=draws, seed=seed, as_json=as_json)
 
@@ -114,14 +116,14 @@ def tree(
         raise RobophmError(f"{to}: {system.unknown.words} would be written as never failing; expected a rate for each")
     text = _design(system, to) if to and is_design(to) else ""
     event, answer = system.event, system.event.within(limit)
-    listed = answer.cut_sets(most, order)
+    listed, by_chance = answer.cut_sets(most, order), estimated(event, answer)
     drawn = system.model.drawn(draws, seed) if system.model and draws else None
     if to:
         write(to, text or document(system.name, event.tree, event.occurred.tolist(), system.rates))
     size = {"basic_events": len(event.tree.names), "gates": len(event.tree.gates) - len(event.tree.names)}
     if as_json:
         print_json({
-            "top_event": system.name, "when": system.when, **answer_json(answer), **size,
+            "top_event": system.name, "when": system.when, **answer_json(answer, by_chance), **size,
             "modules": answer.modules, "nodes": answer.nodes, **_uncertain_json(system, drawn, seed),
             "coherent": event.tree.coherent, **_sets(event, listed),
             **system.json,
@@ -130,6 +132,7 @@ def tree(
     out = console()
     out.print(f"{system.name}, {system.when}: occurs with {system.fails(answer_text(answer))}", markup=False,
               soft_wrap=True)  # fmt: skip
+    print_estimate(by_chance)
     system.print_unknown()
     if system.model and system.model.exchanged:
         out.print("Substitutions exchange events in its minimal cut sets: this is the tree of those that are left.")
@@ -268,7 +271,7 @@ def _sets(event: TopEvent, listed: ListedSets) -> dict[str, Any]:
     return {"cut_sets": found} if event.tree.coherent else {"cut_sets": None, "prime_implicants": found}
 
 
-def estimated(system: System, samples: int, seed: int, *, as_json: bool) -> None:
+def by_samples(system: System, samples: int, seed: int, *, as_json: bool) -> None:
     """State how often the top event occurred in so many samples of the basic events."""
     from robophm.groups.monte_carlo import simulate_tree
 

@@ -29,7 +29,7 @@ def counted(listed: ListedSets, kind: str = "minimal cut set") -> str:
     """The number of sets in words: "30 minimal cut sets: 12 of 1, 18 of 2"."""
     sets = kind if listed.count == 1 else f"{kind}s"
     if math.isinf(listed.cut_off):
-        return f"{count_text(listed.count)} {sets} found; there may be likelier ones"
+        return f"{count_text(listed.count)} {sets} found in this time; there are others, and there may be likelier ones"
     by_order = ", ".join(f"{count_text(n)} of {i}" for i, n in enumerate(listed.by_order, 1) if n)
     rest = listed.count - sum(listed.by_order)
     more = f", {count_text(rest)} of more than {ORDERS}" if rest and by_order else ""

@@ -6,12 +6,12 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from robophm.blocks.cut_sets import MinimalSet
 from robophm.blocks.listed_sets import ListedSets
 from robophm.blocks.top_event import Answer, TopEvent
-from robophm.cli.shared.output import console, print_table, table
+from robophm.cli.shared.output import console, estimate_text, print_table, table
 from robophm.core.json_values import plain
 from robophm.design.importers.open_psa import Model, load, load_all
 from robophm.design.robot import Robot
@@ -21,6 +21,12 @@ from robophm.health.plant import Plant
 from robophm.health.unknown_rates import PartsOfUnknownRate
 from robophm.report.minimal_sets import counted, left_out
 from robophm.report.words import number_text
+
+if TYPE_CHECKING:
+    from robophm.groups.monte_carlo import Estimate
+
+BESIDE_BOUNDS = 1_000_000
+"""Samples of an estimate beside bounds: a second or two."""
 
 MOST_EVENTS = 1_000_000
 """A number of events that no minimal cut set has, so that the smallest are listed whatever their number."""
@@ -101,19 +107,35 @@ def answer_text(answer: Answer) -> str:
     if answer.exact:
         return f"{chance.low:.6g} (exact)"
     return (
-        f"between {chance.low:.6g} and {chance.high:.6g} (proved bounds {100 * chance.width:.2g} % apart; "
+        f"a probability between {chance.low:.6g} and {chance.high:.6g} (proved bounds {100 * chance.width:.2g} % apart; "
         "too large to be solved exactly in this time)"
     )
 
 
-def answer_json(answer: Answer) -> dict[str, Any]:
+def answer_json(answer: Answer, estimate: Estimate | None = None) -> dict[str, Any]:
     """Return for machines how likely a top event is; ``probability`` is null where only bounds are known."""
     return {
         "answer": "exact" if answer.exact else "proved bounds",
         "probability": answer.chance.low if answer.exact else None,
         "at_least": answer.chance.low,
         "at_most": answer.chance.high,
+        **({"estimate": asdict(estimate)} if estimate else {}),
     }
+
+
+def estimated(event: TopEvent, answer: Answer) -> Estimate | None:
+    """Return an estimate by chance beside bounds that are apart; none where the answer is exact."""
+    if answer.exact:
+        return None
+    from robophm.groups.monte_carlo import simulate_tree
+
+    return simulate_tree(event.tree, event.occurred.tolist(), BESIDE_BOUNDS)
+
+
+def print_estimate(estimate: Estimate | None) -> None:
+    """Print an estimate beside bounds, for people."""
+    if estimate:
+        console().print(f"By chance: {estimate_text(estimate)} ({estimate.samples:,} samples).", soft_wrap=True)
 
 
 def sets_json(listed: ListedSets) -> dict[str, Any]:
