@@ -106,9 +106,10 @@ def answer_text(answer: Answer) -> str:
     chance = answer.chance
     if answer.exact:
         return f"{chance.low:.6g} (exact)"
+    apart = f"proved bounds {100 * chance.width:.2g} % apart"
     return (
-        f"a probability between {chance.low:.6g} and {chance.high:.6g} (proved bounds {100 * chance.width:.2g} % apart; "
-        "too large to be solved exactly in this time)"
+        f"a probability between {chance.low:.6g} and {chance.high:.6g} ({apart}; too large to be solved exactly in "
+        "this time)"
     )
 
 
