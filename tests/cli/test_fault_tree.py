@@ -252,3 +252,18 @@ def test_what_is_uncertain_is_said_and_drawn(inside, tmp_path):
     (tmp_path / "sure.xml").write_text((tmp_path / "m.xml").read_text().replace("uniform-deviate", "add"))
     refused = inside("fault-tree", "sure.xml", "--draws", 10)
     assert (refused.returncode, "nothing is uncertain in 'g'" in refused.stderr) == (3, True)
+
+
+def test_a_dynamic_tree(inside, tmp_path):
+    """A cold spare: Erlang of two."""
+    (tmp_path / "tree.dft").write_text('toplevel "A"; "A" csp "B" "C"; "B" lambda=0.5 dorm=0; "C" lambda=0.5 dorm=0;')
+    said = json.loads(inside("fault-tree", "tree.dft", "--at", 2, "--json").stdout)
+    assert said["probability"] == pytest.approx(1 - 2 * math.exp(-1), rel=1e-12)
+    assert (said["mean_time"], said["may_never_occur"], said["states"]) == (pytest.approx(4), False, [3])
+    text = inside("fault-tree", "tree.dft", "--at", 2).stdout
+    assert "A, at 2 h: occurs with 0.264241 (exact)" in text
+    assert "It occurs after 4 h on average." in text
+    for wrong, says in ((["--order", 1, "--at", 2], "a dynamic fault tree"), ([], "expected it alone, and --at")):
+        refused = inside("fault-tree", "tree.dft", *wrong)
+        assert refused.returncode != 0
+        assert says in refused.stderr

@@ -21,7 +21,7 @@ GENERATED: dict[str, Callable[[], str]] = {
 """Pages made of the code, each with what makes it: none is kept, so none is ever stale."""
 
 UNSEARCHED = ("docs/adr/", "docs/status.md", "docs/benchmarks.md", "docs/calibration.md", "docs/fresh-machines.md")
-"""Pages that the search leaves out: they are long, for those who work on the project, and each reader would load them."""
+"""Pages that the search leaves out: they are long and for those who work on the project, and each reader loads all."""
 
 SCRIPT = "accessible.js"
 """What makes the theme's own elements reachable by keyboard and names them for screen readers."""

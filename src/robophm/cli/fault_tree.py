@@ -6,6 +6,7 @@ Of a model that answers more, the probability of each: several top events, seque
 from __future__ import annotations
 
 import math
+import time as clock
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -33,18 +34,24 @@ from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError
 from robophm.core.json_values import plain
 from robophm.design.file import load
+from robophm.design.importers import galileo
 from robophm.design.importers.open_psa.as_design import as_design
 from robophm.design.importers.open_psa.model import Array
 from robophm.design.importers.open_psa.writing import document
+from robophm.report.words import number_text
 
 _QUANTILES = (0.05, 0.5, 0.95)
+
+DYNAMIC = ".dft"
+"""The suffix of dynamic fault trees in the Galileo format."""
 
 
 def command(
     sources: Annotated[
         list[Path],
         typer.Argument(
-            help="an Open-PSA model, of one file or more, or a robot's design", metavar="MODEL.XML|ROBOT.YAML"
+            help="an Open-PSA model, of one file or more, a Galileo tree, or a robot's design",
+            metavar="MODEL.XML|TREE.DFT|ROBOT.YAML",
         ),
     ],
     function: Annotated[str | None, typer.Option(help="of a robot; default the whole robot")] = None,
@@ -70,6 +77,12 @@ def command(
     Of a model with event trees, the probability of each sequence, given its initiating event.
     """
     may_write(to, *sources)
+    if any(source.suffix.lower() == DYNAMIC for source in sources):
+        refuse_unused("a dynamic fault tree", ("time", "limit"))
+        if len(sources) > 1 or time is None:
+            raise RobophmError(f"{sources[0]}: expected it alone, and --at, the time by which its top event occurs")
+        dynamic(sources[0], time, limit, as_json=as_json)
+        return
     systems = systems_of(sources, function, top, time, by_chance=monte_carlo is not None)
     if len(systems) > 1:
         refuse_unused(f"a model that answers {len(systems)} questions; --top names one", ("time", "top", "limit"))
@@ -127,6 +140,28 @@ def tree(
     print_sets(listed, kind_of_sets(event))
     if to:
         out.print(f"Written: {to}", markup=False)
+
+
+def dynamic(source: Path, time: float, limit: float, *, as_json: bool) -> None:
+    """State the probability of a dynamic fault tree's top event by a time, and its mean time."""
+    tree = galileo.load(source)
+    found = tree.solved(time, clock.perf_counter() + limit)
+    if as_json:
+        mean = None if found.mean_time is None or math.isinf(found.mean_time) else found.mean_time
+        print_json({
+            "top_event": tree.name, "when": f"at {number_text(time)} h", "answer": "exact",
+            "probability": found.probability, "mean_time": mean, "may_never_occur": found.mean_time == math.inf,
+            "states": list(found.states), "basic_events": found.events,
+        })  # fmt: skip
+        return
+    out = console()
+    out.print(f"{tree.name}, at {number_text(time)} h: occurs with {found.probability:.6g} (exact)", markup=False)
+    if found.mean_time == math.inf:
+        out.print("It may never occur.")
+    elif found.mean_time is not None:
+        out.print(f"It occurs after {number_text(found.mean_time)} h on average.")
+    chains = f"Markov chains of {', '.join(map(str, found.states))} states" if found.states else "no Markov chains"
+    out.print(f"solved by {chains}, and a static tree of {found.events} events over them", soft_wrap=True)
 
 
 def each(systems: Sequence[System], limit: float, *, as_json: bool) -> None:
