@@ -42,7 +42,7 @@ class Topic:
     names: Mapping[str, list[str]] = field(default_factory=dict)
     """Names by which the first message tells the elements of fields, by field."""
     lengths: Mapping[str, int] = field(default_factory=dict)
-    """Number of elements of arrays in the first message, by field, where it was looked into."""
+    """Number of elements of arrays of numbers in the first message, by field, where it was looked into."""
     messages: int = 0
     first: int | None = None
     last: int | None = None
@@ -135,9 +135,7 @@ def named(seen: Overview, paths: Sequence[Path]) -> Overview:
         lengths = recording.lengths()
     for topic in seen.topics:
         topic.names = names.get(topic.name, {})
-        numeric = [one for one in topic.fields if "[]" in one]
-        told = lengths.get(topic.name, {})
-        topic.lengths = {one: told[one] for one in told if any(field.startswith(one) for field in numeric)}
+        topic.lengths = {one: many for one, many in lengths.get(topic.name, {}).items() if one in topic.fields}
         topic.no_numbers = "" if topic.fields else undecoded.get(topic.name, "its type has none")
     return seen
 

@@ -388,6 +388,15 @@ def test_names_are_looked_for_at_several_places_and_more_may_be(tmp_path, write_
     assert "maybe others too" not in " ".join(CliRunner().invoke(app, ["data", "list", str(few)]).stdout.split())
 
 
+def test_of_a_message_the_field_that_is_meant_is_told(tmp_path, write_messages):
+    path = write_messages(tmp_path / "drive.mcap", [diagnostics(T0, [("Effort", "8.0")])])
+    signal = "/diagnostics.status[arm: motor 1].values[Effort]"
+    with Recording(path) as recording:
+        with pytest.raises(SourceError, match=r"it is a message: expected e\.g\. .*values\[Effort\]\.value'$"):
+            list(recording.samples([signal]))
+        assert [one.value for one in recording.samples([f"{signal}.value"])] == [8.0]
+
+
 def test_arrays_are_listed_with_their_length_at_first(tmp_path):
     """Of a scan, and of no image, whose bytes are not read for it."""
     store = get_typestore(Stores.ROS2_HUMBLE)

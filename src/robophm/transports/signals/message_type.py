@@ -382,6 +382,7 @@ def ways_to(definitions: Typesdict, type_: str, field: str) -> list[Way]:
     known = list(numeric_fields(definitions, type_))
     ways: list[Way] = []
     around: list[list[Field]] = []
+    within: list[Field] = []
     part, walked = type_, ""
     steps = steps_of(field)
     for k, (name, element) in enumerate(steps):
@@ -409,7 +410,9 @@ def ways_to(definitions: Typesdict, type_: str, field: str) -> list[Way]:
         ways.append(Way(attribute, element, namer))
     told = part == "string" and ways[-1].element is None and any(isinstance(way.element, str) for way in ways)
     if any_element(field) not in known and not told:
-        raise SourceError(f"({type_}) has no number in '{field}'{nearest(field, known)}")
+        inner = next((one.name for one in within if one.type in _NUMBERS or one.name == "value"), "")
+        hint = f"; it is a message: expected e.g. '{field}.{inner}'" if inner else nearest(field, known)
+        raise SourceError(f"({type_}) has no number in '{field}'{hint}")
     return ways
 
 
