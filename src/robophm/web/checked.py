@@ -59,6 +59,10 @@ class CheckedTexts:
     def _checked(self, text: str) -> CheckResult:
         """A check of a text that includes why no figures can be given for the robot that it describes."""
         found = check(text, self._known)
-        if found.robot is None or (says := refusal(found.robot, lambda robot: self.prepared.of(robot).plant)) is None:
+        if found.robot is None:
+            return found
+        prepared = self.prepared.of(found.robot)
+        says = refusal(found.robot, lambda _: prepared.new, lambda _: prepared.when_new)
+        if says is None:
             return found
         return replace(found, problems=(Problem("error", (), says, None), *found.problems))
