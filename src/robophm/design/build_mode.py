@@ -28,7 +28,7 @@ from robophm.design.robot import (
     UnknownQuality,
 )
 from robophm.design.scope import Scope
-from robophm.design.sensor_inputs import ChannelBuilder, drivers
+from robophm.design.sensor_inputs import channels_of, drivers
 from robophm.hazard import qualities
 from robophm.hazard.acceleration import PER_CYCLE, acceleration_model, stress_inputs
 from robophm.hazard.formula import formula_model
@@ -40,21 +40,23 @@ from robophm.life._never import Never
 class ModeBuilder:
     """Builds the failure modes of one design: what is stated and measured alike is one stress."""
 
-    def __init__(self, usage: schema.Usage, driving: ChannelBuilder) -> None:
+    def __init__(self, usage: schema.Usage) -> None:
         self.usage = usage
-        self.driving = driving
         self.stresses: dict[str, Stress] = {}
         self.spreads: dict[int, Spread | None] = {}  # by the identity of a stress
-        self.notes: list[str] = []
 
     def mode(
-        self, path: Path, place: Path, mode: schema.FailureMode, part: schema.Component, scope: Scope
-    ) -> FailureMode:
-        """Build a failure mode of a part in a scope. Raises LocatedError where the design contradicts itself."""
+        self, path: Path, place: Path, mode: schema.FailureMode, part: schema.Component, scope: Scope,
+        identity: str, notes: list[str],
+    ) -> FailureMode:  # fmt: skip
+        """Build a failure mode of a part in a scope; what was assumed is added to the notes.
+
+        Raises LocatedError where the design contradicts itself.
+        """
         clock_unit = CLOCK_UNITS[mode.clock]
         key = key_of_figure(place, mode)
         if mode.rate == UNKNOWN:
-            return self._unknown_mode(path, place, mode)
+            return self._unknown_mode(path, place, mode, identity)
         hazard = self._hazard(place, mode.hazard, part, scope, clock_unit) if mode.hazard else None
         if hazard and hazard.model.unit != f"1/{clock_unit}":
             raise LocatedError(
@@ -70,7 +72,7 @@ class ModeBuilder:
         factor = mode.learned.factor if mode.learned else 1.0
         life, rate = build_life(place, mode.life, figure, clock_unit, factor)
         if key in TENTHS and "life" not in mode.model_fields_set:
-            self.notes.append(f"{'/'.join(path)}: its {key} is by an exponential life, as none is stated")
+            notes.append(f"{'/'.join(path)}: its {key} is by an exponential life, as none is stated")
         if hazard and "b10" in hazard.design and getattr(life, "shape", 1.0) != hazard.design["shape"]:
             raise LocatedError(
                 (*place, "life"),
@@ -103,6 +105,7 @@ class ModeBuilder:
             Uncertainty(failures=mode.learned.shape) if mode.learned else stated,
             evidence=Evidence(factor, stated) if mode.learned else None,
             wear=build_wear((*place, "wear"), mode.wear, part.quantity) if mode.wear else None,
+            identity=identity,
         )  # fmt: skip
 
     @staticmethod
@@ -117,7 +120,7 @@ class ModeBuilder:
         return rate
 
     @staticmethod
-    def _unknown_mode(path: Path, place: Path, mode: schema.FailureMode) -> FailureMode:
+    def _unknown_mode(path: Path, place: Path, mode: schema.FailureMode, identity: str) -> FailureMode:
         """A failure mode of unknown rate, which is carried as if it never came."""
         for key in ("life", "acceleration", "uncertainty", "learned", "wear", "scaling"):
             if key in mode.model_fields_set:
@@ -130,7 +133,8 @@ class ModeBuilder:
                 quantity_at((*place, "initial_exposure"), mode.initial_exposure, CLOCK_UNITS[mode.clock]), 0.0
             )
         return FailureMode(
-            "/".join(path), 0.0, Never(), mode.clock, None, mode.scaling, initial, (), mode.source or ""
+            "/".join(path), 0.0, Never(), mode.clock, None, mode.scaling, initial, (), mode.source or "",
+            identity=identity,
         )  # fmt: skip
 
     @staticmethod
@@ -259,12 +263,11 @@ class ModeBuilder:
                     f"'{name}' is measured ({signal}), but its value as designed is not stated, and {model.name} "
                     f"answers to it; expected {name}: {model.expected(name)}",
                 )
-        channels = self.driving.channels(model, design, cover)
+        channels = channels_of(model, design, cover)
         return Stress(model, design, channels, drivers(model, design, channels, cover))
 
     def measured_clock(self, clock: str, place: Path, binding: schema.ClockBinding) -> MeasuredClock:
         """Build a clock that signals drive. Raises LocatedError where they cannot."""
-        self.driving.used[place] = None
         if clock in ("operating", "calendar"):
             raise LocatedError(place, f"the {clock} clock is time itself and takes no signal")
         kind: Literal["position", "speed", "edge"]

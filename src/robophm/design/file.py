@@ -53,7 +53,7 @@ def parse(text: str, name: str = "design", folder: Path = Path()) -> Robot:
 
     said = validated(RobotFile, data, name, lines)
     try:
-        return replace(build(said), folder=folder)
+        return replace(build(said, data), folder=folder)
     except LocatedError as fault:
         raise DesignError(located(name, lines, fault.place, str(fault))) from None
 

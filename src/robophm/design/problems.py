@@ -6,13 +6,16 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from robophm.core.errors import DesignError
 from robophm.core.yaml_values import Lines
 from robophm.design.file import mapping, place_and_message
 from robophm.design.located_error import LocatedError, Path
 from robophm.design.robot import Robot
+
+if TYPE_CHECKING:
+    from robophm.design.known_parts import KnownParts
 
 MOST_PROBLEMS = 500
 """The most problems that are reported of one design."""
@@ -48,8 +51,11 @@ class CheckResult:
         return self.robot is not None and any(one.level == "error" for one in self.problems)
 
 
-def check(text: str) -> CheckResult:
-    """Check a text and return all that can be said of it; no mistake in it raises an error."""
+def check(text: str, known: KnownParts | None = None) -> CheckResult:
+    """Check a text and return all that can be said of it; no mistake in it raises an error.
+
+    ``known``: parts that need not be built again.
+    """
     try:
         document, lines = mapping(text, "design", "design")
     except DesignError as error:
@@ -57,7 +63,7 @@ def check(text: str) -> CheckResult:
         column = re.search(r", in column (\d+)$", str(error))
         at = int(line) if line.isdigit() else None, int(column[1]) if column else None
         return CheckResult({}, None, (Problem("error", (), _said(str(error)), *at),))
-    robot, wrong = built(document, lines)
+    robot, wrong = built(document, lines, known)
     odd = _odd(robot, lines) if robot else ()
     return CheckResult(document, robot, tuple([*wrong, *odd][:MOST_PROBLEMS]), lines)
 
@@ -68,7 +74,9 @@ def _said(text: str) -> str:
     return rest if colon and (first.isdigit() or not first) else text
 
 
-def built(document: dict[str, Any], lines: Lines) -> tuple[Robot | None, list[Problem]]:
+def built(
+    document: dict[str, Any], lines: Lines, known: KnownParts | None = None
+) -> tuple[Robot | None, list[Problem]]:
     """Return the robot of a document, or the mistakes for which there is none, with lines where these are known."""
     from pydantic import ValidationError
 
@@ -76,7 +84,7 @@ def built(document: dict[str, Any], lines: Lines) -> tuple[Robot | None, list[Pr
     from robophm.design.schema import RobotFile
 
     try:
-        return build(RobotFile.model_validate(document)), []
+        return build(RobotFile.model_validate(document), document, known), []
     except ValidationError as error:
         places = [place_and_message(detail, lines, RobotFile) for detail in error.errors(include_url=False)]
     except LocatedError as fault:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Container, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -49,24 +48,16 @@ class SensorCover(NamedTuple):
     ambient: Ambient | None
 
 
-@dataclass
-class ChannelBuilder:
-    """Makes the channels through which sensors reach the inputs of models."""
-
-    used: dict[Path, None] = field(default_factory=dict)
-    """Places of the signals that drive something, in the order of the design."""
-
-    def channels(self, model: Model, design: Mapping[str, Any], cover: SensorCover) -> dict[str, Channel]:
-        """Return the measured inputs of a model at a part. Raises LocatedError where a binding is none of the input."""
-        found = {}
-        for name, entry in model.numbers.items():
-            by = name if name in cover.signals else entry.driver
-            if name in design and by in cover.signals and (by == name or _reaches(by, entry, cover)):
-                place, binding = cover.signals[by]
-                self.used[place] = None
-                rise = rise_of(design[name], cover.ambient) if _rises(by, entry, cover) else 0.0
-                found[name] = channel(place, binding, entry.unit, by, cover.offsets.get(by), rise)
-        return found
+def channels_of(model: Model, design: Mapping[str, Any], cover: SensorCover) -> dict[str, Channel]:
+    """Return the measured inputs of a model at a part. Raises LocatedError where a binding is none of the input."""
+    found = {}
+    for name, entry in model.numbers.items():
+        by = name if name in cover.signals else entry.driver
+        if name in design and by in cover.signals and (by == name or _reaches(by, entry, cover)):
+            place, binding = cover.signals[by]
+            rise = rise_of(design[name], cover.ambient) if _rises(by, entry, cover) else 0.0
+            found[name] = channel(place, binding, entry.unit, by, cover.offsets.get(by), rise)
+    return found
 
 
 def _reaches(by: str, entry: Range, cover: SensorCover) -> bool:

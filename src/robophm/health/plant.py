@@ -8,7 +8,7 @@ other is one unit too, with one failure mode of its own: those of the groups com
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import pairwise
 from typing import TypeVar
@@ -18,7 +18,6 @@ import numpy.typing as npt
 from scipy.sparse import csr_array
 
 from robophm.blocks.diagram import Block, Group, KOutOfN, Unit, units
-from robophm.blocks.given_it_works import StructureGivenItWorks
 from robophm.blocks.merging import merge_series
 from robophm.blocks.phases import Phases
 from robophm.blocks.reliability import Structure
@@ -28,6 +27,7 @@ from robophm.core.errors import StructureError, nearest
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge
 from robophm.health.dependent_group import DependentGroup, ModeOf
+from robophm.health.prepared_diagram import PreparedDiagram
 from robophm.life.distribution import LifeDistribution
 from robophm.life.side_by_side import Lives, kind
 
@@ -43,8 +43,14 @@ Need = tuple[int, str]
 class Plant:
     """A robot prepared for computation: all of it that does not change while it lives."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, prepared: Mapping[str, PreparedDiagram] | None = None) -> None:
+        """Compile a robot. ``prepared``: diagrams of another one, by path of their level, taken where they are equal.
+
+        Raises RobophmError where no figures can be given for it.
+        """
         self.robot = robot
+        known = ((level.diagram, (prepared or {}).get(path)) for path, level in robot.levels.items())
+        self._prepared = {id(diagram): one for diagram, one in known if one and one.diagram == diagram}
         self.components = tuple(robot.all_components())
         parts = tuple(unit for part in self.components for unit in part.units)
         groups = tuple(_groups(_diagrams(robot)))
@@ -139,7 +145,7 @@ class Plant:
         """Return a diagram prepared for computation; each is prepared once."""
         instance(diagram, Block, "diagram", "a block of the robot's, such as its diagram", StructureError)
         if id(diagram) not in self._systems:  # by identity: to hash ten thousand blocks costs more than to fold them
-            self._systems[id(diagram)] = diagram, System(self, diagram)
+            self._systems[id(diagram)] = diagram, System(self, diagram, self._prepared.get(id(diagram)))
         return self._systems[id(diagram)][1]
 
     def mission(self, known: tuple[Need, ...], wanted: tuple[Need, ...]) -> Mission:
@@ -256,17 +262,16 @@ class Parts(Modes):
 class System(Parts):
     """A block diagram prepared for computation."""
 
-    def __init__(self, plant: Plant, diagram: Block) -> None:
+    def __init__(self, plant: Plant, diagram: Block, prepared: PreparedDiagram | None = None) -> None:
         for unit in units(diagram):
             if unit not in plant.place:
                 raise StructureError(
                     f"no unit '{unit}' in the design of {plant.robot.name}{nearest(unit, plant.place)}"
                 )
-        (self._merged,), self._stands_for = merge_series(diagram)
-        self.structure = Structure(self._merged)
-        self.conditional = StructureGivenItWorks(self._merged, structure=self.structure)
-        super().__init__(plant, [self._stands_for[name] for name in self.structure.names], by_life=True)
-        self.needed = _of_units(self, plant, single_points_of_failure(diagram))
+        self.prepared = prepared or PreparedDiagram(diagram)
+        self.structure, self.conditional = self.prepared.structure, self.prepared.conditional
+        super().__init__(plant, [self.prepared.stands_for[name] for name in self.structure.names], by_life=True)
+        self.needed = _of_units(self, plant, self.prepared.single_points)
         """Whether the system works only while a unit does."""
         self._leaves = Sums(csr_array(self.weights[self.structure.leaves]))
         self._plant = plant
@@ -315,7 +320,7 @@ class System(Parts):
         rows = [
             known.setdefault((counts.indices[i:j].tobytes(), counts.data[i:j].tobytes()), len(known)) for i, j in ends
         ]
-        structure, modes = Structure(self._merged, kinds=rows), Modes(self._plant, self.modes[first])
+        structure, modes = Structure(self.prepared.merged, kinds=rows), Modes(self._plant, self.modes[first])
         of_kinds = counts[np.unique(rows, return_index=True)[1]]
         self._alike = told.tobytes(), structure, modes, Sums(csr_array(of_kinds[structure.leaves]))
         return self._alike[1:]

@@ -7,22 +7,34 @@ from collections.abc import Callable
 from robophm.core.errors import RobophmError
 from robophm.design.robot import Robot
 from robophm.health.exposure import ExposureIntegrator
+from robophm.health.levels_when_new import levels_when_new
+from robophm.health.mission import completion
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
+from robophm.health.prognosis import Outlook
 from robophm.health.subject import figures
 
 
-def refusal(robot: Robot, plant_of: Callable[[Robot], Plant] = Plant) -> str | None:
+def refusal(
+    robot: Robot,
+    new_of: Callable[[Robot], Outlook] = lambda robot: as_designed(Plant(robot)),
+    levels_of: Callable[[Outlook], object] = levels_when_new,
+) -> str | None:
     """Return why no figures can be given for a robot, in one line; None where they can.
 
-    ``plant_of``: the plant to ask, where it is needed afterwards too.
+    ``new_of``: gives the outlook of the new robot; ``levels_of``: asks for the figures of all its levels. Both for who
+    needs them afterwards too.
     """
     try:
         ExposureIntegrator(robot)
-        new = as_designed(plant_of(robot))
-        figures(new, robot.diagram, robot.task, remaining_life=False)
-        for diagram in (*robot.functions.values(), *(module.diagram for module in robot.all_modules())):
+        new = new_of(robot)
+        levels_of(new)
+        for diagram in robot.functions.values():
             figures(new, diagram, robot.task, remaining_life=False, whole=False)
+        if robot.task:
+            completion(new, robot.task)
+            for module in robot.all_modules():
+                completion(new, robot.task, module.diagram)
     except RobophmError as error:
         return str(error)
     return None

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from robophm.health.levels_when_new import LevelWhenNew
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
@@ -40,12 +41,15 @@ def nominal_figures(plant: Plant, hours: float) -> Iterator[NominalFigures]:
         yield NominalFigures(path, float(rate[0]), works, failed, mean, left_out)
 
 
-def hazard_rates(outlook: Outlook) -> dict[str, float]:
+def hazard_rates(outlook: Outlook, levels: Mapping[str, LevelWhenNew] | None = None) -> dict[str, float]:
     """Return hazard rates now [1/h of operation] by path: the robot's (empty path), each module's and component's.
 
-    That of a component is of all its equal parts together.
+    That of a component is of all its equal parts together. ``levels``: those of the robot, where it is new and they
+    are known.
     """
-    robot = outlook.plant.robot
-    found = {path: outlook.hazard_rate(module.diagram) for path, module in robot.levels.items()}
+    if levels is None:
+        found = {path: outlook.hazard_rate(level.diagram) for path, level in outlook.plant.robot.levels.items()}
+    else:
+        found = {path: level.hazard_rate for path, level in levels.items()}
     parts = zip(outlook.plant.components, outlook.component_hazard_rates(), strict=True)
     return found | {part.path: float(rate) for part, rate in parts}

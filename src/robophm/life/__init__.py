@@ -6,6 +6,8 @@ in somebody else's package under the entry-point group ``robophm.life``. Files a
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from robophm.core.registry import load_class, plugs
 from robophm.life.distribution import LifeDistribution
 
@@ -19,6 +21,7 @@ def life_distributions() -> list[str]:
     return plugs(__name__)
 
 
+@lru_cache(maxsize=64)  # each part of a design asks
 def life_distribution(name: str) -> type[LifeDistribution]:
     """The class of a life distribution by its file's name: ``life_distribution("weibull")`` is Weibull.
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from robophm.core.yaml_nodes import uncollected
 from robophm.design.drawable import Drawable, drawable
+from robophm.design.known_parts import KnownParts
 from robophm.design.problems import CheckResult, Problem, check
 from robophm.health.refusal import refusal
 from robophm.web.prepared_robot import PreparedRobots
@@ -24,6 +25,7 @@ class CheckedTexts:
         self._lock = threading.Lock()
         self._found: OrderedDict[str, CheckResult] = OrderedDict()
         self._drawn: tuple[str, Drawable | None] = "", None
+        self._known = KnownParts()
         self.prepared = PreparedRobots()
         """The robots of the texts, prepared."""
 
@@ -56,7 +58,11 @@ class CheckedTexts:
     @uncollected()
     def _checked(self, text: str) -> CheckResult:
         """A check of a text that includes why no figures can be given for the robot that it describes."""
-        found = check(text)
-        if found.robot is None or (says := refusal(found.robot, lambda robot: self.prepared.of(robot).plant)) is None:
+        found = check(text, self._known)
+        if found.robot is None:
+            return found
+        prepared = self.prepared.of(found.robot)
+        says = refusal(found.robot, lambda _: prepared.new, lambda _: prepared.when_new)
+        if says is None:
             return found
         return replace(found, problems=(Problem("error", (), says, None), *found.problems))

@@ -10,10 +10,10 @@ from dataclasses import asdict
 from functools import cached_property
 from typing import Any, Literal
 
-from robophm.blocks.single_points import single_points_of_failure
 from robophm.design.robot import Module, Robot
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
+from robophm.health.levels_when_new import LevelWhenNew, levels_when_new
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
@@ -32,8 +32,10 @@ _KEPT = 4
 class PreparedRobot:
     """A robot prepared for questions: what does not change while its design does not."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, before: PreparedRobot | None = None) -> None:
+        """Prepare a robot; what is as it was in the one ``before`` is taken from there."""
         self.robot = robot
+        self._levels: Mapping[str, LevelWhenNew] = before._levels if before else {}  # its own once they are known
         self.wear = WearWatch(robot)
         """Forecasts of its wear."""
         self._asking = threading.Lock()
@@ -43,7 +45,7 @@ class PreparedRobot:
     @cached_property
     def plant(self) -> Plant:
         """Return the robot compiled for computation. Raises RobophmError where no figures can be given for it."""
-        return Plant(self.robot)
+        return Plant(self.robot, {path: one.prepared for path, one in self._levels.items()})
 
     def seen_wear(self, exposure: ExposureIntegrator, ledger: Ledger) -> Sequence[SeenWear]:
         """Return what sensors have seen of the robot's wear by now, as the ledger tells."""
@@ -65,6 +67,12 @@ class PreparedRobot:
         return as_designed(self.plant)
 
     @cached_property
+    def when_new(self) -> Mapping[str, LevelWhenNew]:
+        """Return the levels of the new robot, by path. Raises RobophmError where no figures can be given for it."""
+        self._levels = levels_when_new(self.new, self._levels)
+        return self._levels
+
+    @cached_property
     def modules(self) -> Mapping[str, Module]:
         """Return the robot under an empty path, then its modules by path."""
         return self.robot.levels
@@ -72,12 +80,12 @@ class PreparedRobot:
     @cached_property
     def rates(self) -> dict[str, float]:
         """Return the nominal hazard rate when new of each level and part, by path; equal parts together [1/h]."""
-        return hazard_rates(self.new)
+        return hazard_rates(self.new, self.when_new)
 
     @cached_property
     def unknown(self) -> dict[str, PartsOfUnknownRate]:
         """Return the effect of parts of unknown rate on each level and part that has some, by path."""
-        found = {path: unknown(self.new, module.diagram) for path, module in self.modules.items()}
+        found = {path: level.unknown for path, level in self.when_new.items()}
         for part, alone in zip(self.plant.components, self.plant.alone, strict=True):
             if part.unknown:
                 found[part.path] = unknown(self.new, alone)
@@ -86,7 +94,7 @@ class PreparedRobot:
     @cached_property
     def single_points(self) -> frozenset[str]:
         """Return paths of the components, and their units, whose failure alone fails the robot."""
-        units = single_points_of_failure(self.robot.diagram)
+        units = self.when_new[""].prepared.single_points
         return frozenset(units) | frozenset(unit.partition("[")[0] for unit in units)
 
     @cached_property
@@ -140,7 +148,8 @@ class PreparedRobots:
         with self._lock:
             one = self._found.get(id(robot))
             if one is None or one.robot is not robot:
-                one = self._found[id(robot)] = PreparedRobot(robot)
+                before = next(reversed(self._found.values()), None)
+                one = self._found[id(robot)] = PreparedRobot(robot, before)
             self._found.move_to_end(id(robot))
             while len(self._found) > _KEPT:
                 self._found.popitem(last=False)
