@@ -14,7 +14,7 @@ from robophm.fleet.store import FleetStore
 
 
 class RefusedError(RobophmError):
-    """What a robot sends is not taken, for a reason that is counted."""
+    """The refusal of what a robot sends, for a reason that is counted."""
 
     def __init__(self, status: int, why: str, robot: str = "", counted: str = "") -> None:
         """``status``: as of HTTP; ``robot``: whose token it came with, where that is known."""

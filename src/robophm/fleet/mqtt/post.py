@@ -28,7 +28,7 @@ class MqttPost:
         self._place, self._robot, self._token, self._patience = address(fleet.service), fleet.robot, token, patience
         self._lines = Lines(self._place.root)
         self._came: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        """What came since: messages, and texts that say why none will come."""
+        """Messages that came, and texts that say why none will come."""
         self._connection: Connection | None = None
 
     def send(self, body: bytes, batch: Batch) -> None:
