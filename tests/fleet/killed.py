@@ -1,7 +1,8 @@
-"""A fleet whose robots, network, service and database are killed at random, beside what each robot's own store says.
+"""A fleet whose robots, network, service, database and broker are killed at random, beside each robot's own store.
 
-Robots, service and a PostgreSQL are processes of their own, ended at once; the network between them is a proxy that
-cuts connections before, within and after what they carry, so that answers are lost of what was committed.
+Robots, service, a PostgreSQL and a Mosquitto are processes of their own, ended at once; without a broker the network
+between robots and service is a proxy that cuts connections before, within and after what they carry, so that answers
+are lost of what was committed.
 """
 
 from __future__ import annotations
@@ -20,8 +21,10 @@ from pathlib import Path
 from tests.fleet.conftest import DEADLINE, wait_for
 from tests.fleet.made_reports import report
 from tests.fleet.postgresql_server import Server
+from tests.transports.mqtt.conftest import Broker
 
 from robophm.fleet.address import FleetAddress
+from robophm.fleet.mqtt import listener
 from robophm.fleet.questions import present, reports, status
 from robophm.fleet.sender import Sender
 from robophm.fleet.serving import FleetSettings, serve_fleet
@@ -33,9 +36,14 @@ PROCESSES = multiprocessing.get_context("forkserver")
 PROCESSES.set_forkserver_preload(["tests.fleet.killed"])
 
 
-def serve(path: str, port: int, ready: Connection) -> None:
+WAITS = {"look_every": 0.01, "first_wait": 0.01}
+"""Seconds that a robot waits, here less than it does."""
+
+
+def serve(path: str, port: int, broker: str | None, ready: Connection) -> None:
     """The service, in a process of its own."""
-    serve_fleet(FleetSettings(path, port=port), lambda *_: ready.send(True))
+    listener.FIRST_WAIT = listener.LONGEST_WAIT = 0.02
+    serve_fleet(FleetSettings(path, port=port, broker=broker), lambda *_: ready.send(True))
 
 
 def watch(path: Path, address: str, token: str, most: int, ready: Connection) -> None:
@@ -44,11 +52,21 @@ def watch(path: Path, address: str, token: str, most: int, ready: Connection) ->
         store.outboxes.of("courier").begin()
         kept = store.ledger("courier") or {"reports": 0, "hours": 0.0}
         ready.send(True)
-        with Sender(path, "courier", FleetAddress.of(address), token, lambda _: None, look_every=0.01, first_wait=0.01):
+        with Sender(path, "courier", FleetAddress.of(address), token, lambda _: None, **WAITS, patience=0.5):
             while kept["reports"] < most:
                 kept = {"reports": kept["reports"] + 1, "hours": kept["hours"] + 0.1}
                 store.save("courier", kept, reports=[report(kept["reports"])])
                 time.sleep(0.004)
+
+
+class KilledBroker(Broker):
+    """A Mosquitto without a memory on disk, which is killed as a database is."""
+
+    kill = Broker.stop
+
+    def begin(self) -> None:
+        """Start it where it was."""
+        assert self.start()
 
 
 class CutNetwork:
@@ -112,11 +130,13 @@ def _end(child: BaseProcess) -> None:
 
 
 def course(
-    folder: Path, seed: int, *, robots: int = 2, most: int = 150, kills: int = 4, database: Server | None = None
-) -> dict[str, int]:
+    folder: Path, seed: int, *, robots: int = 2, most: int = 150, kills: int = 4, database: Server | None = None,
+    broker: KilledBroker | None = None,
+) -> dict[str, int]:  # fmt: skip
     """Run one course of kills and cuts, then let all of it come to its end, and compare.
 
-    With a ``database``, whose tables are empty, the fleet's store is there; else it is a SQLite file.
+    With a ``database``, whose tables are empty, the fleet's store is there; else it is a SQLite file. With a ``broker``
+    all goes over it; else over HTTP.
 
     Raises AssertionError where a report of a robot is lost or counted twice, or a ledger is not the robot's own, letter
     by letter. Returns how much of what happened.
@@ -130,25 +150,25 @@ def course(
     with ExitStack() as stack:
         network = CutNetwork(port, chance)
         stack.callback(network.close)
+        way = broker.address() if broker else f"http://127.0.0.1:{network.port}"
         running: dict[str, BaseProcess] = {}
         stack.callback(lambda: [_end(one) for one in running.values()])
 
         def begin(name: str) -> None:
             if name == "service":
-                running[name] = _begun(serve, path, port)
+                running[name] = _begun(serve, path, port, way if broker else None)
             else:
-                address = f"http://127.0.0.1:{network.port}/robots/{name}"
-                running[name] = _begun(watch, stores[name], address, tokens[name], most)
+                running[name] = _begun(watch, stores[name], f"{way}/robots/{name}", tokens[name], most)
 
         for name in ("service", *tokens):
             begin(name)
         for _ in range(kills):
             time.sleep(chance.uniform(0.0, 0.25))
             some = chance.sample([*running], chance.randint(1, len(running)))
-            whole = database if database and chance.random() < 0.5 else None
+            wholes = [one for one in (database, broker) if one and chance.random() < 0.5]
             for name in some:
                 _end(running[name])
-            if whole:
+            for whole in wholes:
                 whole.kill()
                 whole.begin()
             for name in some:
@@ -157,10 +177,10 @@ def course(
         for name in tokens:
             running[name].join(DEADLINE)
         for name, token in tokens.items():  # what still waits: a robot that begins again
-            address = FleetAddress.of(f"http://127.0.0.1:{port}/robots/{name}")
+            address = FleetAddress.of(f"{way}/robots/{name}")
             with SqliteStore(stores[name]) as own:
                 outbox = own.outboxes.of("courier")
-                with Sender(stores[name], "courier", address, token, lambda _: None, look_every=0.01, first_wait=0.01):
+                with Sender(stores[name], "courier", address, token, lambda _: None, **WAITS, patience=5.0):
                     wait_for(lambda outbox=outbox: outbox.count() == 0)
     return _compared(path, stores, most)
 

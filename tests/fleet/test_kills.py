@@ -1,10 +1,13 @@
-"""Robots, network, service and database killed at random: nothing lost or twice, ledgers equal by letter."""
+"""Robots, network, service, database and broker killed at random: nothing lost or twice, ledgers equal by letter."""
 
 from __future__ import annotations
 
 import pytest
-from tests.fleet.killed import course
+from tests.fleet.killed import KilledBroker, course
 from tests.fleet.postgresql_server import missing, running
+from tests.transports.mqtt.conftest import mosquitto
+
+__all__ = ["mosquitto"]
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -20,3 +23,14 @@ def test_nothing_is_lost_or_counted_twice_where_the_database_is_killed_too(tmp_p
     with running() as server:
         found = course(tmp_path, 1, robots=2, most=60, kills=3, database=server)
     assert found["reports"] == 120
+
+
+@pytest.mark.parametrize("seed", [11, 12, *(pytest.param(seed, marks=pytest.mark.full) for seed in range(13, 23))])
+def test_nothing_is_lost_or_counted_twice_over_a_broker_that_is_killed_too(mosquitto, tmp_path, seed):
+    broker = KilledBroker(tmp_path)
+    try:
+        found = course(tmp_path, seed, robots=2, most=60, kills=3, broker=broker)
+    finally:
+        broker.stop()
+    assert found["reports"] == 120
+    assert found["epochs"] > 2

@@ -8,7 +8,13 @@ from urllib.parse import unquote, urlsplit
 
 from robophm.core.errors import RobophmError
 
-EXPECTED = "expected https://host/robots/NAME, as robophm fleet token prints it; http:// only to this machine"
+EXPECTED = (
+    "expected https://host/robots/NAME, or mqtts://user@broker/robots/NAME, as robophm fleet token prints it; "
+    "http:// and mqtt:// only to this machine"
+)
+
+BROKERS = ("mqtt://", "mqtts://")
+"""Beginnings of the addresses of brokers."""
 
 
 class FleetAddress(NamedTuple):
@@ -18,7 +24,12 @@ class FleetAddress(NamedTuple):
     """Address of the service, without a stroke at its end."""
     robot: str
     reports: str
-    """Address to which its reports are sent."""
+    """Address to which its reports are sent; of a broker, its topic too."""
+
+    @property
+    def over_mqtt(self) -> bool:
+        """Return whether it is reached over a broker."""
+        return self.service.startswith(BROKERS)
 
     @classmethod
     def of(cls, text: str) -> FleetAddress:
@@ -29,15 +40,17 @@ class FleetAddress(NamedTuple):
         except ValueError as error:
             raise RobophmError(f"fleet {text!r:.100}: {error}; {EXPECTED}") from None
         before, slash, name = where.path.rstrip("/").rpartition("/robots/")
-        plain = where.scheme == "http" and _is_this_machine(host or "")
-        whole = host and slash and name and "/" not in name and not (where.query or where.fragment or where.username)
-        if not whole or not (where.scheme == "https" or plain):
+        plain = where.scheme in ("http", "mqtt") and is_this_machine(host or "")
+        user = where.username if where.scheme.startswith("http") else where.password  # a password is in no address
+        whole = host and slash and name and "/" not in name and not (where.query or where.fragment or user)
+        if not whole or not (where.scheme in ("https", "mqtts") or plain):
             raise RobophmError(f"fleet {text!r:.100}: {EXPECTED}")
         service = f"{where.scheme}://{where.netloc}{before}"
         return cls(service, unquote(name), f"{service}/robots/{name}/reports")
 
 
-def _is_this_machine(host: str) -> bool:
+def is_this_machine(host: str) -> bool:
+    """Return whether a host is the machine that asks."""
     try:
         return host == "localhost" or ip_address(host).is_loopback
     except ValueError:

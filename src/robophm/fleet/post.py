@@ -9,19 +9,18 @@ from typing import Any
 from urllib.error import HTTPError, URLError
 from urllib.request import HTTPRedirectHandler, HTTPSHandler, ProxyHandler, Request, build_opener
 
-from robophm.core.errors import DataError, RobophmError
+from robophm.core.errors import RobophmError
 from robophm.fleet.address import FleetAddress
+from robophm.fleet.answer import check
 from robophm.stores.outbox import Batch
 
-LONGEST_ANSWER = 30.0
-"""Seconds to wait for an answer: the fleet answers once all is on its disk."""
 
+class HttpPost:
+    """The way of one robot's payloads to its fleet over HTTP, with the robot's token."""
 
-class Post:
-    """The way of one robot's payloads to its fleet, with the robot's token."""
-
-    def __init__(self, fleet: FleetAddress, token: str) -> None:
-        self._fleet = fleet
+    def __init__(self, fleet: FleetAddress, token: str, patience: float) -> None:
+        """``patience``: seconds to wait for an answer."""
+        self._fleet, self._patience = fleet, patience
         self._headers = {
             "authorization": f"Bearer {token}", "content-type": "application/zlib", "user-agent": "robophm",
         }  # fmt: skip
@@ -34,22 +33,16 @@ class Post:
         has words for each.
         """
         request = Request(self._fleet.reports, body, self._headers)
-        with self._opener.open(request, timeout=LONGEST_ANSWER) as answer:
+        with self._opener.open(request, timeout=self._patience) as answer:
             text = answer.read(10_000)
         try:
             said = json.loads(text)
         except (ValueError, RecursionError):
             said = text
-        _check(said, batch)
+        check(said, batch)
 
-
-def _check(answer: Any, batch: Batch) -> None:
-    """Raise DataError unless the answer says that all of the batch is committed."""
-    said = answer.get("committed") if isinstance(answer, dict) else None
-    one = batch.reports[-1] if batch.reports else None
-    expected = {"epoch": one.epoch, "seq": one.seq} if one else said
-    if not isinstance(said, dict) or said != expected:
-        raise DataError(f"answers {answer!r:.100}; expected a fleet's service, which says what it has committed")
+    def close(self) -> None:
+        """Let go of what it holds, which is nothing: each payload has a connection of its own."""
 
 
 class _NoRedirect(HTTPRedirectHandler):

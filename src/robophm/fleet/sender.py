@@ -8,12 +8,14 @@ import random
 import threading
 import time
 from collections.abc import Callable
+from contextlib import closing
 from typing import Self
 
-from robophm.core.errors import DataError, RobophmError, StoreError
+from robophm.core.errors import DataError, RobophmError, SourceError, StoreError
 from robophm.fleet.address import FleetAddress
 from robophm.fleet.payload import MOST_REPORTS, packed
-from robophm.fleet.post import Post, why_not
+from robophm.fleet.post import why_not
+from robophm.fleet.way import LONGEST_ANSWER, Way, way_to
 from robophm.stores import Address, open_store
 from robophm.stores.outbox import Outbox
 
@@ -37,11 +39,12 @@ class Sender:
     def __init__(
         self, store: Address, robot: str, fleet: FleetAddress, token: str, told: Callable[[str], None],
         *, look_every: float = LOOK_EVERY, first_wait: float = FIRST_WAIT,
+        patience: float = LONGEST_ANSWER,
     ) -> None:  # fmt: skip
         """``robot``: its identity in its store; ``told`` is called with words when something begins to be in the way,
-        and when that is over."""
+        and when that is over; ``patience``: seconds to wait for an answer."""
         self._store, self._robot, self._fleet, self._token, self._told = store, robot, fleet, token, told
-        self._look_every, self._first_wait = look_every, first_wait
+        self._look_every, self._first_wait, self._patience = look_every, first_wait, patience
         self._trouble = ""
         self._stated = False
         """Whether the newest state has been sent since this began."""
@@ -63,16 +66,16 @@ class Sender:
     def _run(self) -> None:
         failures = 0
         try:
-            post = Post(self._fleet, self._token)
-            with open_store(self._store) as store:
+            way = way_to(self._fleet, self._token, self._patience)
+            with closing(way), open_store(self._store) as store:
                 outbox = store.outboxes.of(self._robot)
                 while True:
                     last = self._ending.is_set()
                     try:
-                        more = self._send(post, outbox, last=last)
+                        more = self._send(way, outbox, last=last)
                         self._say("")
                         failures = 0
-                    except (OSError, http.client.HTTPException, DataError, StoreError) as error:
+                    except (OSError, http.client.HTTPException, DataError, SourceError, StoreError) as error:
                         self._say(why_not(error))
                         more, failures = False, failures + 1
                     if last and not more:
@@ -91,7 +94,7 @@ class Sender:
             return self._look_every
         return min(self._first_wait * 2.0 ** min(failures - 1, 16), LONGEST_WAIT) * random.uniform(0.5, 1.5)
 
-    def _send(self, post: Post, outbox: Outbox, *, last: bool) -> bool:
+    def _send(self, way: Way, outbox: Outbox, *, last: bool) -> bool:
         """Send what has waited longest, where there is any; whether more waits."""
         batch = outbox.batch(MOST_REPORTS)
         if not batch.reports and (not batch.present or (self._stated and not last)):
@@ -104,7 +107,7 @@ class Sender:
             if not batch.reports:
                 return False
             body = packed(self._fleet.robot, time.time_ns(), batch)
-        post.send(body, batch)
+        way.send(body, batch)
         if batch.reports:
             outbox.trim(batch.reports[-1].number)
         self._stated = self._stated or batch.present is not None

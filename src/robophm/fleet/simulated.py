@@ -14,16 +14,18 @@ import tempfile
 import time
 from collections import defaultdict
 from collections.abc import Generator, Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from robophm.core.errors import DataError, RobophmError
+from robophm.core.errors import DataError, RobophmError, SourceError
 from robophm.core.signal import SECOND
 from robophm.design.file import load
 from robophm.design.robot import Robot
 from robophm.fleet.address import FleetAddress
 from robophm.fleet.payload import MOST_REPORTS, packed
-from robophm.fleet.post import Post, why_not
+from robophm.fleet.post import why_not
+from robophm.fleet.way import way_to
 from robophm.health.service import ServiceNote, take_note
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.report_history import ReportHistory
@@ -107,13 +109,14 @@ def tell(robot: SimulatedRobot, fleet: FleetAddress, token: str) -> None:
 
     Raises RobophmError where the fleet does not take it.
     """
-    post, epoch = Post(fleet, token), secrets.token_hex(8)
+    epoch = secrets.token_hex(8)
     rows = [Waiting(seq, epoch, seq, one["time"], 0, report_values(one)) for seq, one in enumerate(robot.reports, 1)]
     state = Present(epoch, len(rows), json.dumps(robot.ledger), robot.reports[-1] if rows else None)
-    for first in range(0, max(len(rows), 1), MOST_REPORTS):
-        left = max(len(rows) - first - MOST_REPORTS, 0)
-        batch = Batch(tuple(rows[first : first + MOST_REPORTS]), left, None if left else state)
-        try:
-            post.send(packed(fleet.robot, time.time_ns(), batch), batch)
-        except (OSError, http.client.HTTPException, DataError) as error:
-            raise RobophmError(f"fleet {fleet.service}: {why_not(error)}") from None
+    with closing(way_to(fleet, token)) as way:
+        for first in range(0, max(len(rows), 1), MOST_REPORTS):
+            left = max(len(rows) - first - MOST_REPORTS, 0)
+            batch = Batch(tuple(rows[first : first + MOST_REPORTS]), left, None if left else state)
+            try:
+                way.send(packed(fleet.robot, time.time_ns(), batch), batch)
+            except (OSError, http.client.HTTPException, DataError, SourceError) as error:
+                raise RobophmError(f"fleet {fleet.service}: {why_not(error)}") from None

@@ -25,6 +25,10 @@ def command(
         list[str] | None,
         typer.Option(help="address of a reverse proxy that ends TLS before the service", metavar="ADDRESS"),
     ] = None,
+    mqtt: Annotated[
+        str | None,
+        typer.Option(help="take reports at a broker too, mqtts://user@broker[/topic]", metavar="URL"),
+    ] = None,
 ) -> None:
     """Take the reports of robots, until it is interrupted."""
     check_key(key, certificate)
@@ -34,9 +38,11 @@ def command(
     def ready(address: str, fingerprint: str, _: Callable[[], None]) -> None:
         out = console()
         out.print(f"Robots report to {address}robots/NAME until Ctrl+C", markup=False, soft_wrap=True)
+        if mqtt:
+            out.print(f"They report to {mqtt.rstrip('/')}/robots/NAME too", markup=False, emoji=False, soft_wrap=True)
         out.print(f"Its page is {address}", markup=False, soft_wrap=True)
         if fingerprint:
             said = f"Its certificate has the SHA-256 fingerprint {fingerprint}"
             out.print(said, markup=False, emoji=False, soft_wrap=True)
 
-    serve_fleet(FleetSettings(store, host, port, certificate, key, tuple(proxy or ())), ready)
+    serve_fleet(FleetSettings(store, host, port, certificate, key, tuple(proxy or ()), mqtt), ready)

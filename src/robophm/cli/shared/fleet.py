@@ -22,7 +22,10 @@ FleetStorePath = Annotated[
 ]
 Fleet = Annotated[
     str | None,
-    typer.Option(help=f"send reports to https://host/robots/NAME, with the token in {TOKEN}", metavar="URL"),
+    typer.Option(
+        help=f"send reports to https://host/robots/NAME or mqtts://broker/robots/NAME, with the token in {TOKEN}",
+        metavar="URL",
+    ),
 ]
 
 
@@ -35,6 +38,10 @@ def fleet_address(text: str, store: str | None) -> FleetAddress:
         raise RobophmError("--fleet: what waits to be sent is kept in the robot's store; expected --store too")
     if not os.environ.get(TOKEN):
         raise RobophmError(f"--fleet: expected the robot's token in {TOKEN}, as robophm fleet token printed it")
+    if found.over_mqtt:
+        from robophm.transports.mqtt.connection import paho
+
+        paho()
     return found
 
 

@@ -76,26 +76,17 @@ class Connection:
 
     def _opened(self, version: int) -> Any:
         package = paho()
-        mqtt = package.mqtt.client
-        client = _client_class(self._broken)(
-            mqtt.CallbackAPIVersion.VERSION2, client_id=self._name, protocol=version,
-            reconnect_on_failure=True,
-        )  # fmt: skip
+        client = client_of(self._place, self._name, version, self._broken)
         client.on_connect, client.on_subscribe = self._on_connect, self._on_subscribe
         client.on_message, client.on_disconnect = self._on_message, self._on_disconnect
         client.connect_timeout = CONNECT_SECONDS
         client.reconnect_delay_set(FIRST_WAIT, LONGEST_WAIT)
-        shown = secrets()
-        if self._place.user is not None or shown.password is not None:
-            client.username_pw_set(self._place.user or "", shown.password)
         words: dict[str, Any] = {}
         if version == 5:
             properties = package.mqtt.properties.Properties(package.mqtt.packettypes.PacketTypes.CONNECT)
             properties.MaximumPacketSize = LONGEST_PACKET
             words = {"clean_start": True, "properties": properties}
         try:
-            if self._place.encrypted:
-                client.tls_set(shown.authority, shown.certificate, shown.key)
             client.connect(self._place.host, self._place.port, KEEP_ALIVE, **words)
         except (OSError, ValueError) as error:  # no such host, nobody there, no TLS
             raise SourceError(f"no MQTT broker at {self._place}: {error}") from None
@@ -162,6 +153,23 @@ class Connection:
         self._over = True
         self._client.disconnect()
         self._client.loop_stop()
+
+
+def client_of(place: Address, name: str, version: int, broken: Callable[[], None], **words: Any) -> Any:
+    """Return a client of paho that is not connected yet, with the secrets of the environment, and TLS if that is asked.
+
+    ``broken`` is called in its thread after a packet that paho cannot read. Raises SourceError.
+    """
+    client = _client_class(broken)(paho().mqtt.client.CallbackAPIVersion.VERSION2, name, protocol=version, **words)
+    shown = secrets()
+    if place.user is not None or shown.password is not None:
+        client.username_pw_set(place.user or "", shown.password)
+    if place.encrypted:
+        try:
+            client.tls_set(shown.authority, shown.certificate, shown.key)
+        except (OSError, ValueError) as error:  # a certificate without its key
+            raise SourceError(f"no MQTT broker at {place}: {error}") from None
+    return client
 
 
 def _client_class(broken: Callable[[], None]) -> Any:
