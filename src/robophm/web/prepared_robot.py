@@ -8,7 +8,7 @@ from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 from robophm.design.robot import Module, Robot
 from robophm.health.exposure import ExposureIntegrator
@@ -17,8 +17,11 @@ from robophm.health.levels_when_new import LevelWhenNew, levels_when_new
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
+from robophm.health.report import HealthReport
+from robophm.health.reporting import health_report
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 from robophm.health.when_new import hazard_rates
+from robophm.health.why import Explanation, explain
 from robophm.health.worn import SeenWear
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.web.shapes import LevelFigures, UnknownRates
@@ -35,6 +38,9 @@ class PreparedRobot:
         self._levels: Mapping[str, LevelWhenNew] = before._levels if before else {}  # its own once they are known
         self.wear = WearWatch(robot)
         """Forecasts of its wear."""
+        self._asking = threading.Lock()
+        self._known: tuple[Mapping[str, Any], HealthReport, Explanation] | None = None
+        """The past for which its health was worked out last, that health, and why it is so."""
 
     @cached_property
     def plant(self) -> Plant:
@@ -44,6 +50,16 @@ class PreparedRobot:
     def seen_wear(self, exposure: ExposureIntegrator, ledger: Ledger) -> Sequence[SeenWear]:
         """Return what sensors have seen of the robot's wear by now, as the ledger tells."""
         return self.wear.renewed(exposure.settled(ledger))
+
+    def health(self, exposure: ExposureIntegrator, ledger: Ledger) -> tuple[HealthReport, Explanation]:
+        """Return its health by this past, and why it is so: worked out once for a past that stays the same."""
+        past = ledger.to_json()
+        with self._asking:
+            if self._known is None or self._known[0] != past:
+                settled = exposure.settled(ledger)
+                report = health_report(self.plant, exposure, settled, wear=self.wear.renewed(settled))
+                self._known = past, report, explain(report)
+            return self._known[1:]
 
     @cached_property
     def new(self) -> Outlook:
