@@ -6,7 +6,7 @@ CHECKED := src tests benchmarks tools
 # The tests start hundreds of commands: each would be compiled anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help setup demo demo-ros lint check peers test test-full test-page test-oldest test-fresh release calibrate prognostics new-user fuzz integrity soak bench clean
+.PHONY: help setup demo demo-ros lint check peers test test-full test-page test-oldest test-fresh release calibrate prognostics new-user docs fuzz integrity soak bench clean
 .DEFAULT_GOAL := help
 
 help:
@@ -20,11 +20,12 @@ help:
 	@echo "make test-fresh both commands on machines that have nothing (as root; docs/fresh-machines.md)"
 	@echo "make release    the latest commit in dist/: wheel and sdist, what is in them (SBOM), SHA-256, some minutes"
 	@echo "make calibrate  predictions against 20,000 robots that fail and 1,000 that wear (docs/calibration.md)"
-	@echo "make fuzz       1,200,000 damaged recordings, an hour or more (docs/guides/columns.md)"
+	@echo "make fuzz       1,800,000 damaged recordings, hours (docs/guides/columns.md)"
 	@echo "make integrity  1,000 kills and 1,000 cuts of power, an hour or less (docs/guides/unattended.md)"
 	@echo "make soak       two days of a robot at 600 times their pace, over ROS 1 and over DDS, ten minutes"
 	@echo "make prognostics  when real wear ends, beside SurPyval, two minutes (docs/theory/wear.md)"
 	@echo "make new-user  from a wheel to the first report of five robots, two minutes (docs/guides/your-robot.md)"
+	@echo "make docs       the documentation as a site, searchable and without a network, build/book/site; ten seconds"
 	@echo "make bench      speed, as ratios against named peers (docs/benchmarks.md)"
 	@echo "make clean      remove what the others made"
 
@@ -59,7 +60,7 @@ test: setup
 
 # `make test` has a twenty-fifth of the calibration, by a fixed seed, and skips the peers of the extra `peers`.
 test-full: setup
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[peers]"
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[peers,docs]"
 	EXAMPLES=all $(MAKE) test calibrate
 	EXAMPLES=all $(BIN)/pytest -n 2 -m full
 
@@ -95,6 +96,10 @@ prognostics: setup
 new-user: setup
 	@$(BIN)/python -m tests.drafting.new_user
 
+docs: setup
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[docs]"
+	@PYTHONPATH=tools $(BIN)/python -m book
+
 bench: setup
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable ".[bench]"
 	@test -d .venv/peers/ramstk || $(BIN)/python -m pip install --quiet --disable-pip-version-check \
@@ -103,4 +108,4 @@ bench: setup
 	$(BIN)/python -m benchmarks.fault_trees --peer
 
 clean:
-	rm -rf .venv ui/node_modules src/robophm/web/static demo-output dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf .venv ui/node_modules src/robophm/web/static demo-output dist build .cache .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

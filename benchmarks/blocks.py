@@ -132,3 +132,15 @@ def five_hundred_of_a_thousand() -> Iterator[Line]:
 
     agree("500 of 1000", ours(), theirs(), 1e-9)
     yield Line("500 of 1,000 different units", *race(ours, theirs, rounds=5), "RePyability", goal=1 / 200)
+
+
+@benchmark
+def ninety_nine_thousand_of_a_hundred_thousand() -> Iterator[Line]:
+    from scipy.stats import binom
+
+    n, k, p = 100_000, 99_000, 0.9905
+    structure = Structure(KOutOfN(k, *(Unit(f"u{i}") for i in range(n))))
+    works, failed = np.full(n, p), np.full(n, 1 - p)
+    found = structure.probability(works, failed)
+    agree("99,000 of 100,000", np.array(found), np.array([binom.sf(k - 1, n, p), binom.cdf(k - 1, n, p)]), 1e-9)
+    yield Line("99,000 of 100,000 units", *race(lambda: structure.probability(works, failed), rounds=3))

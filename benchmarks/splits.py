@@ -92,8 +92,10 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         for suffix in sys.argv[2:] or FORMATS:
             drive = SyntheticOta(seed=1, working_hours=(0, hours))
-            whole = drive.record(Path(name) / ("day.bag" if suffix == ".bag" else "day.mcap"))
-            folder = Path(name) / f"{suffix[1:]}_files"
+            place = Path(name) / suffix[1:]
+            place.mkdir()
+            whole = drive.record(place / ("day.bag" if suffix == ".bag" else "day.mcap"))
+            folder = place / "files"
             loose = split(whole, folder) if suffix == ".mcap" else rewritten(whole, folder, suffix)
             one = whole if suffix == ".mcap" else folder.with_suffix(suffix)
             os.sync()

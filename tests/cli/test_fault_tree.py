@@ -2,6 +2,7 @@
 
 import json
 import math
+import random
 
 import pytest
 
@@ -113,7 +114,7 @@ def test_mistakes_are_one_line(inside, robot, tmp_path):
     assert not (tmp_path / "again.yaml").exists()
 
 
-def test_a_tree_with_not_has_a_probability_and_no_cut_sets(inside, tmp_path):
+def test_a_tree_with_not_has_a_probability_and_prime_implicants(inside, tmp_path):
     (tmp_path / "m.xml").write_text(
         '<opsa-mef><define-fault-tree name="t"><define-gate name="g"><and><basic-event name="a"/><not>'
         '<basic-event name="b"/></not></and></define-gate></define-fault-tree><model-data><define-basic-event name="a">'
@@ -122,7 +123,8 @@ def test_a_tree_with_not_has_a_probability_and_no_cut_sets(inside, tmp_path):
     )
     text = inside("fault-tree", "m.xml").stdout
     assert "occurs with 0.375" in text
-    assert "no minimal cut sets are listed" in text
+    assert "1 prime implicant: 1 of 2\n" in text
+    assert "a, not b" in text
 
 
 def test_common_causes_and_groups_are_events(inside, tmp_path):
@@ -200,3 +202,92 @@ def test_a_model_of_two_files_and_one_that_constants_decide(inside, tmp_path):
     )
     assert "g: always occurs (exact)" in inside("fault-tree", "sure.xml").stdout
     assert json.loads(inside("fault-tree", "sure.xml", "--json").stdout)["probability"] == 1.0
+
+
+def test_each_sequence_of_an_event_tree(inside, tmp_path):
+    """Beside the top event; together the sequences are sure."""
+    works, fails = "<not><gate name='stop fails'/></not>", "<gate name='stop fails'/>"
+    paths = "".join(
+        f"<path state='{state}'><collect-formula>{formula}</collect-formula><sequence name='{state}'/></path>"
+        for state, formula in (("stops", works), ("hits", fails))
+    )
+    (tmp_path / "stop.xml").write_text(
+        "<opsa-mef><define-initiating-event name='obstacle' event-tree='T'/><define-event-tree name='T'>"
+        "<define-functional-event name='F'/><define-sequence name='stops'/><define-sequence name='hits'/>"
+        f"<initial-state><fork functional-event='F'>{paths}</fork></initial-state></define-event-tree>"
+        "<define-fault-tree name='R'><define-gate name='stop fails'><or><basic-event name='laser'/>"
+        "<basic-event name='brake'/></or></define-gate></define-fault-tree><model-data>"
+        "<define-basic-event name='laser'><float value='0.01'/></define-basic-event>"
+        "<define-basic-event name='brake'><float value='0.02'/></define-basic-event></model-data></opsa-mef>"
+    )
+    said = json.loads(inside("fault-tree", "stop.xml", "--json").stdout)
+    found = {one["name"]: (one["probability"], one["answer"]) for one in said["answers"]}
+    assert found["obstacle: stops"] == (pytest.approx(0.99 * 0.98, rel=1e-12), "exact")
+    assert found["obstacle: hits"][0] == pytest.approx(1 - 0.99 * 0.98, rel=1e-12) == found["stop fails"][0]
+    assert said["sequences_together"] == {"obstacle": pytest.approx(1, rel=1e-12)}
+    text = inside("fault-tree", "stop.xml").stdout
+    assert "The sequences of obstacle together: 1\n" in text
+    alone = inside("fault-tree", "stop.xml", "--top", "hits").stdout
+    assert "2 minimal cut sets: 2 of 1" in alone
+    refused = inside("fault-tree", "stop.xml", "--order", 1)
+    assert refused.returncode != 0
+    assert "--top names one" in refused.stderr
+
+
+def test_what_is_uncertain_is_said_and_drawn(inside, tmp_path):
+    (tmp_path / "m.xml").write_text(
+        '<opsa-mef><define-fault-tree name="t"><define-gate name="g"><basic-event name="a"/></define-gate>'
+        '</define-fault-tree><model-data><define-basic-event name="a"><uniform-deviate><float value="0.1"/>'
+        '<float value="0.3"/></uniform-deviate></define-basic-event></model-data></opsa-mef>'
+    )
+    text = inside("fault-tree", "m.xml").stdout
+    assert "occurs with 0.2 (exact)" in text
+    assert "1 uncertain expression is at its mean; --draws 1000 says how far that may be off." in text
+    said = json.loads(inside("fault-tree", "m.xml", "--draws", 2000, "--json").stdout)
+    assert said["uncertain"] == 1
+    found = [said["uncertainty"][key] for key in ("p05", "median", "p95", "mean")]
+    assert found == pytest.approx([0.11, 0.2, 0.29, 0.2], abs=2e-4)
+    assert (
+        "90 % lie between 0.11 and 0.29: median 0.2, mean 0.2." in inside("fault-tree", "m.xml", "--draws", 2000).stdout
+    )
+    (tmp_path / "sure.xml").write_text((tmp_path / "m.xml").read_text().replace("uniform-deviate", "add"))
+    refused = inside("fault-tree", "sure.xml", "--draws", 10)
+    assert (refused.returncode, "nothing is uncertain in 'g'" in refused.stderr) == (3, True)
+
+
+def test_bounds_have_an_estimate_beside_them(inside, tmp_path):
+    """At least 20 of 40 gates, each "or" of six of sixty events of 0.1, in a tenth of a second."""
+    draw = random.Random(3)
+    gates = "".join(
+        "<or>" + "".join(f"<basic-event name='e{i}'/>" for i in draw.sample(range(60), 6)) + "</or>" for _ in range(40)
+    )
+    events = "".join(f"<define-basic-event name='e{i}'><float value='0.1'/></define-basic-event>" for i in range(60))
+    (tmp_path / "m.xml").write_text(
+        f"<opsa-mef><define-fault-tree name='t'><define-gate name='g'><atleast min='20'>{gates}</atleast></define-gate>"
+        f"</define-fault-tree><model-data>{events}</model-data></opsa-mef>"
+    )
+    said = json.loads(inside("fault-tree", "m.xml", "--limit", 0.1, "--json").stdout)
+    assert (said["answer"], said["probability"]) == ("proved bounds", None)
+    found = said["estimate"]
+    assert found["low"] < found["probability"] < found["high"] < found["low"] + 0.003
+    assert found["samples"] == 1_000_000
+    assert said["at_least"] <= found["high"]
+    assert said["at_most"] >= found["low"]
+    text = inside("fault-tree", "m.xml", "--limit", 0.1).stdout
+    assert "occurs with a probability between" in text
+    assert "By chance: " in text
+
+
+def test_a_dynamic_tree(inside, tmp_path):
+    """A cold spare: Erlang of two."""
+    (tmp_path / "tree.dft").write_text('toplevel "A"; "A" csp "B" "C"; "B" lambda=0.5 dorm=0; "C" lambda=0.5 dorm=0;')
+    said = json.loads(inside("fault-tree", "tree.dft", "--at", 2, "--json").stdout)
+    assert said["probability"] == pytest.approx(1 - 2 * math.exp(-1), rel=1e-12)
+    assert (said["mean_time"], said["may_never_occur"], said["states"]) == (pytest.approx(4), False, [3])
+    text = inside("fault-tree", "tree.dft", "--at", 2).stdout
+    assert "A, at 2 h: occurs with 0.264241 (exact)" in text
+    assert "It occurs after 4 h on average." in text
+    for wrong, says in ((["--order", 1, "--at", 2], "a dynamic fault tree"), ([], "expected it alone, and --at")):
+        refused = inside("fault-tree", "tree.dft", *wrong)
+        assert refused.returncode != 0
+        assert says in refused.stderr

@@ -100,15 +100,20 @@ def test_a_fault_tree(inside, tmp_path):
     assert "PumpOne" in inside("importance", "model.xml").stdout
 
 
-def test_mistakes_are_one_line(inside, robot, tmp_path):
+def test_a_fault_tree_with_not(inside, tmp_path):
     (tmp_path / "not.xml").write_text(TREE.replace('<gate name="two"/>', '<not><gate name="two"/></not>'))
+    text = inside("importance", "not.xml").stdout
+    assert "-0.266" in text
+    assert "No F–V: it is of minimal cut sets, which a tree with 'not' or 'xor' has none of" in text
+
+
+def test_mistakes_are_one_line(inside, robot):
     for words, says in (
         (("importance", robot, "--by", "birnbum"), "did you mean 'birnbaum'?"),
         (("importance", robot, "--within", "0 h"), "--within 0 h: expected hours above 0"),
         (("importance", robot, "--within", "3 m"), "does not measure what 'h' does"),
         (("importance", robot, "--function", "mve"), "no function 'mve'; did you mean 'move'?"),
         (("importance", robot, "--failed", "moter[1]"), "did you mean 'motor[1]'?"),
-        (("importance", "not.xml"), "importance would be negative"),
     ):
         done = inside(*words)
         assert done.returncode == 3

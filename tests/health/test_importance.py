@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 from robophm.blocks.fault_tree import FaultTree
-from robophm.blocks.graph import ALL, NOT, UNIT, Gate
+from robophm.blocks.graph import ALL, ANY, NOT, UNIT, Gate
 from robophm.blocks.top_event import TopEvent
-from robophm.core.errors import StructureError
 from robophm.design.file import parse
 from robophm.design.robot import Robot
 from robophm.design.task import Knowledge
@@ -167,7 +166,29 @@ def test_usual_hours() -> None:
     assert [usual_hours(view, median) for median in (100.0, 1e9, math.inf, 0.0)] == [50.0, 1000.0, 1000.0, 1000.0]
 
 
-def test_a_tree_that_is_not_coherent_is_refused() -> None:
-    gates = [Gate(UNIT, ()), Gate(UNIT, ()), Gate(NOT, [1]), Gate(ALL, [0, 2])]
-    with pytest.raises(StructureError, match="negative"):
-        of_tree(TopEvent(FaultTree(["a", "b"], gates), np.full(2, 0.1), np.full(2, 0.9)))
+SCRAM = {
+    "pump 1": (0.0765, 0.1029, 2.613, 1.115), "pump 2": (0.057, 0.08948, 2.189, 1.098),
+    "valve 1": (0.94, 0.8432, 21.237, 6.379), "valve 2": (0.0558, 0.06257, 2.189, 1.067),
+}  # fmt: skip
+"""Birnbaum, criticality, RAW and RRW of a tree with "not", as SCRAM's tests print them (risk_analysis_tests.cc)."""
+
+
+def test_a_tree_that_is_not_coherent() -> None:
+    names, p = list(SCRAM), np.array([0.06, 0.07, 0.04, 0.05])
+    gates = [*[Gate(UNIT, ())] * 4, Gate(ANY, (0, 2)), Gate(NOT, (0,)), Gate(ANY, (1, 3, 5)), Gate(ALL, (4, 6))]
+    found = of_tree(TopEvent(FaultTree(names, gates), p, 1 - p))
+    assert found.failure == pytest.approx(0.04459, rel=1e-4)
+    for one in found.units:
+        measures = one.birnbaum, one.criticality, one.achievement, one.reduction
+        assert measures == pytest.approx(SCRAM[one.unit], rel=5e-4)
+        assert math.isnan(one.fussell_vesely)
+    assert "minimal cut sets" in found.refused
+
+
+def test_what_is_for_the_better_by_failing_has_a_negative_importance() -> None:
+    """a and not b, of 0.1 and 0.25: P = 0.075."""
+    gates = [Gate(UNIT, ()), Gate(UNIT, ()), Gate(NOT, (1,)), Gate(ALL, (0, 2))]
+    a, b = of_tree(TopEvent(FaultTree(["a", "b"], gates), np.array([0.1, 0.25]), np.array([0.9, 0.75]))).units
+    assert (a.birnbaum, a.achievement, a.reduction) == (pytest.approx(0.75), pytest.approx(10), math.inf)
+    assert (b.birnbaum, b.criticality) == (pytest.approx(-0.1), pytest.approx(-0.1 * 0.25 / 0.075))
+    assert (b.achievement, b.reduction) == (0, pytest.approx(0.75))

@@ -13,7 +13,7 @@ import pytest
 from packaging.requirements import Requirement
 
 ROOT = Path(__file__).parents[2]
-NOT_AT_RUN_TIME = ("dev", "bench", "peers")
+NOT_AT_RUN_TIME = ("dev", "bench", "peers", "docs")
 """Extras of those who work on the project."""
 
 OTHERWISE = {

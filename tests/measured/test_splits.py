@@ -68,6 +68,13 @@ def test_a_drive_in_many_files_is_listed_as_the_one_file(tmp_path, files):
     assert one.with_topic == {"/motor/temperature": 1, "/level": 1}
 
 
+def test_short_files_of_slow_topics_are_one(tmp_path):
+    """Of messages a second apart in files of three seconds a third of the time is between files."""
+    whole = write(tmp_path / "whole.mcap", temperatures(30))
+    (some,) = listed(cut(whole, tmp_path / "cut", 3))
+    assert (len(some.files), some.seen.topics[0].messages, some.seen.topics[0].gap_count) == (10, 30, 0)
+
+
 def test_what_does_not_follow_or_is_called_otherwise_is_listed_by_itself(tmp_path):
     whole = write(tmp_path / "whole.mcap", temperatures(6 * EVERY))
     folder = cut(whole, tmp_path / "cut", EVERY)

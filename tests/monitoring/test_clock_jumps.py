@@ -66,6 +66,34 @@ def test_a_jump_ends_no_store(design: Robot, tmp_path: Path, samples: list[Sampl
     assert not any("late" in note for note in later.notes)
 
 
+BACK = [*run(START, 300), *run(START - HOUR, 20), *run(START + 300 * SECOND, 300)]
+"""A clock that is set back by an hour, for twenty samples."""
+
+
+@pytest.mark.parametrize(
+    ("samples", "wrong", "named"),
+    [
+        (RETURNS, range(300, 320), "the clock had jumped ahead, to 2038-01: /motor"),
+        (BACK, range(300, 320), "late: /motor.temperature"),
+    ],
+    ids=["2038 for 20 s", "an hour back for 20 s"],
+)
+def test_a_recording_counts_as_if_the_wrong_samples_were_not_there(
+    design: Robot, samples: list[Sample], wrong: range, named: str
+) -> None:
+    """Bit for bit, but for how many they were."""
+    ledgers = []
+    for heard in (samples, samples[: wrong.start] + samples[wrong.stop :]):
+        monitor = Monitor(design)
+        for sample in heard:
+            monitor.observe(sample)
+        ledgers.append(monitor.ledger.to_json())
+    counts = [ledger.pop("counts") for ledger in ledgers]
+    assert ledgers[0] == ledgers[1]
+    assert [sum(count.values()) for count in counts] == [20, 0]
+    assert named in " ".join(counts[0])
+
+
 def test_watching_goes_on_through_a_jump_and_says_so(design: Robot) -> None:
     said: list[str] = []
     store = MemoryStore()
@@ -83,8 +111,7 @@ def test_watching_goes_on_through_a_jump_and_says_so(design: Robot) -> None:
 
 def test_a_clock_that_goes_back_is_said_at_once(design: Robot) -> None:
     said: list[str] = []
-    back = [*run(START, 300), *run(START - 3600 * SECOND, 20), *run(START + 300 * SECOND, 300)]
-    monitor = watch(design, Said(back), on_clock=said.append)
+    monitor = watch(design, Said(BACK), on_clock=said.append)
     assert said[0] == "the clock went back by 1.08 h: nothing counts until that time has passed"
     assert said[1:] == ["the clock is right again: what is heard counts"]
     assert "20 samples not taken: late: /motor.temperature" in monitor.report().notes

@@ -6,10 +6,10 @@ import json
 import math
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from robophm.core.errors import RobophmError
@@ -33,8 +33,9 @@ from .designs import MEASURED_AS as T
 
 DAY = 24 * HOUR
 BOOT = 1_795_000_000 * SECOND
-LEAP = int(datetime(2026, 11, 18, 12, 0, tzinfo=UTC).timestamp()) * SECOND
+LEAP = BOOT + 200 * SECOND
 """A midnight of UTC would be one; the kernel tells it by saying one second twice, wherever it is."""
+NEVER = range(0)
 
 Clock = Callable[[int], int]
 """What a machine's clock says at a true time [ns]."""
@@ -44,7 +45,7 @@ def right(now: int) -> int:
     return now
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def design() -> Robot:
     wears = {"life": {"distribution": "weibull", "scale": "40 h", "shape": 2.5}, "scaling": "hazard"}
     shelf = {"rate": "0.001 /h", "clock": "calendar"}
@@ -54,11 +55,19 @@ def design() -> Robot:
 class Machine(LiveSource):
     """A robot whose motor warms up, heard each second of true time by a machine with this clock."""
 
-    def __init__(self, clock: Clock, begin: int, seconds: int) -> None:
+    def __init__(
+        self, clock: Clock, begin: int, seconds: int, *,
+        sleeps: range = NEVER, silent: range = NEVER, counted: bool = True,
+    ) -> None:  # fmt: skip
+        """``sleeps``: true times at which the machine does; ``counted``: its other clock goes on meanwhile.
+
+        ``silent``: true times at which the robot says nothing.
+        """
         self.notes = Counter()
         self.fingerprint = ""
         self.heard = 0
         self._clock, self._begin, self._seconds = clock, begin, seconds
+        self._sleeps, self._silent, self._counted = sleeps, silent, counted
 
     def topics(self) -> list[TopicInfo]:
         return []
@@ -69,12 +78,18 @@ class Machine(LiveSource):
         def note(words: str) -> None:
             self.notes[words] += 1
 
-        machine = MachineTime(self.known_to, note, clock=lambda: self._clock(true), steady=lambda: true - BOOT)
-        for second in range(self._seconds):
-            true = self._begin + second * SECOND
+        def steady() -> int:
+            slept = len(self._sleeps) if true >= self._sleeps.stop else 0
+            return true - BOOT - (0 if self._counted else slept)
+
+        machine = MachineTime(self.known_to, note, clock=lambda: self._clock(true), steady=steady)
+        for true in range(self._begin, self._begin + self._seconds * SECOND, SECOND):
+            if true in self._sleeps:
+                continue
             if now := machine.now():
-                self.heard += 1
-                yield Sample(now, T, 30.0 + second % 400 / 10)
+                if true not in self._silent:
+                    self.heard += 1
+                    yield Sample(now, T, 30.0 + true // SECOND % 400 / 10)
                 yield Sample(now, CLOCK, machine.ahead)
 
 
@@ -86,8 +101,10 @@ class Life:
         self.notes: list[str] = []
         self.heard = 0
 
-    def lives(self, begin: int, seconds: int, clock: Clock = right, journal: Path | None = None) -> Life:
-        machine = Machine(clock, begin, seconds)
+    def lives(
+        self, begin: int, seconds: int, clock: Clock = right, journal: Path | None = None, **options: Any
+    ) -> Life:
+        machine = Machine(clock, begin, seconds, **options)
         if journal:
             with Journal(journal, self.design.signals) as written:
                 self.monitor = watch(self.design, machine, store=self.store, journal=written, period=20)
@@ -114,22 +131,83 @@ class Life:
         return {key: value for key, value in self.ledger.to_json().items() if key != "suspect_time"}
 
 
+@pytest.fixture(scope="module")
+def undisturbed(design: Robot) -> dict[str, Any]:
+    """The ledger of a quarter of an hour by a clock that was right."""
+    return Life(design).lives(BOOT, 900).ledger.to_json()
+
+
 def stepped(at: int, by: int, until: int = 1 << 62) -> Clock:
     return lambda now: now + by if at <= now < until else now
 
 
-@pytest.mark.parametrize("by", [2, -2, 30, -30])
-def test_a_small_step_by_ntp_changes_nothing(design: Robot, by: int) -> None:
-    life = Life(design).lives(BOOT, 900, stepped(BOOT + 200 * SECOND, by * SECOND))
-    assert life.ledger.to_json() == Life(design).lives(BOOT, 900).ledger.to_json()
+def to_and_fro(now: int) -> int:
+    """Right, two minutes ahead, three hours behind, 2038, and so on, by turns of seven seconds."""
+    turn = (now - BOOT) // (7 * SECOND)
+    return now + (0, 120 * SECOND, -3 * HOUR, IN_2038 - BOOT)[turn % 4]
+
+
+JUMPS = {
+    "2038 for 20 s": (stepped(BOOT + 200 * SECOND, IN_2038 - BOOT, BOOT + 220 * SECOND), 1),
+    "1970 for 20 s": (stepped(BOOT + 200 * SECOND, -BOOT, BOOT + 220 * SECOND), 1),
+    "an hour back": (stepped(BOOT + 200 * SECOND, -HOUR), 1),
+    "an hour back for eleven minutes": (stepped(BOOT + 200 * SECOND, -HOUR, BOOT + 860 * SECOND), 1),
+    "NTP, 2 s forward": (stepped(BOOT + 200 * SECOND, 2 * SECOND), 0),
+    "NTP, 2 s back": (stepped(BOOT + 200 * SECOND, -2 * SECOND), 0),
+    "NTP, 30 s forward": (stepped(BOOT + 200 * SECOND, 30 * SECOND), 0),
+    "NTP, 30 s back": (stepped(BOOT + 200 * SECOND, -30 * SECOND), 0),
+    "NTP, as fast as it slews": (lambda now: now + (now - BOOT) // 2000, 0),
+    "a leap second": (stepped(LEAP, -SECOND), 0),
+    "to and fro each 7 s": (to_and_fro, 96),
+    "to and fro each second": (lambda now: to_and_fro(BOOT + 7 * (now - BOOT)), 100),
+}
+"""Clocks that lie from two hundred seconds after the boot on, and how many stretches of that are named."""
+
+
+@pytest.mark.parametrize(("clock", "named"), JUMPS.values(), ids=JUMPS)
+def test_the_ledger_is_that_of_a_clock_that_was_right(
+    design: Robot, undisturbed: dict[str, Any], tmp_path: Path, clock: Clock, named: int
+) -> None:
+    """Bit for bit but for the stretches that are named, and so is that of the journal."""
+    journal = tmp_path / "run.journal"
+    life = Life(design).lives(BOOT, 900, clock, journal)
+    assert life.but_for_the_named() == undisturbed
+    stretches = life.ledger.suspect_time
+    off = [now for now in range(BOOT, BOOT + 900 * SECOND, SECOND) if abs(clock(now) - now) >= 60 * SECOND]
+    assert len(stretches) == named
+    assert [any(one.begin <= now <= one.end for one in stretches) for now in off] == [True] * len(off)
+    again = MemoryStore()
+    replay(design, JournalRecording(journal), store=again, period=20.0)
+    assert json.dumps(again.ledger("R")) == json.dumps(life.ledger.to_json())
+
+
+def test_a_machine_that_sleeps_for_hours_and_wakes(design: Robot) -> None:
+    """All that was heard counts, and the sleep as rest: a machine that hears nobody for as long has the same sums.
+
+    Where the other clock does not count the sleep, time goes on without it until the clock is believed.
+    """
+    seconds, night = 7200 + 1500, range(BOOT + 300 * SECOND, BOOT + 300 * SECOND + 2 * HOUR)
+    slept, silent = Life(design).lives(BOOT, seconds, sleeps=night), Life(design).lives(BOOT, seconds, silent=night)
+    uncounted = Life(design).lives(BOOT, seconds, sleeps=night, counted=False)
+    for life, off, totals in (
+        (slept, 1e-12, ("clocks", "age", "effective", "hazard")),
+        (uncounted, 1 / 3600, ("clocks", "age")),  # a minute until it is off is put elsewhere, at another temperature
+    ):
+        assert not life.ledger.counts
+        assert life.heard == silent.heard
+        assert life.ledger.newest == silent.ledger.newest
+        for total in totals:
+            assert getattr(life.ledger, total).value == pytest.approx(getattr(silent.ledger, total).value, abs=off)
+    assert slept.notes == slept.ledger.suspect_time == []
+    (stretch,) = uncounted.ledger.suspect_time
+    assert stretch.outcome == "believed"
+    assert stretch.end - stretch.begin == pytest.approx(600 * SECOND, abs=2 * SECOND)
+
+
+@pytest.mark.parametrize("by", [30, -30])
+def test_a_small_step_is_said(design: Robot, by: int) -> None:
+    life = Life(design).lives(BOOT, 300, stepped(BOOT + 200 * SECOND, by * SECOND))
     assert life.notes == [f"the clock was set {'forward' if by > 0 else 'back'}; time went on as it was"]
-
-
-def test_a_leap_second_changes_nothing(design: Robot) -> None:
-    begin = LEAP - 100 * SECOND
-    life = Life(design).lives(begin, 900, stepped(LEAP, -SECOND))
-    assert life.ledger.to_json() == Life(design).lives(begin, 900).ledger.to_json()
-    assert life.notes == []
 
 
 @pytest.mark.parametrize("share", [1e-4, -1e-4], ids=["fast", "slow"])
@@ -144,10 +222,9 @@ def test_a_clock_that_drifts_is_off_by_its_drift_alone(design: Robot, share: flo
 
 
 @pytest.mark.parametrize("year", [1970, 2038])
-def test_a_glitch_of_20_s_is_named_and_changes_nothing_else(design: Robot, year: int) -> None:
+def test_a_glitch_is_named(design: Robot, year: int) -> None:
     by = (IN_2038 if year == 2038 else 0) - BOOT
-    life = Life(design).lives(BOOT, 900, stepped(BOOT + 200 * SECOND, by, BOOT + 220 * SECOND))
-    assert life.but_for_the_named() == Life(design).lives(BOOT, 900).ledger.to_json()
+    life = Life(design).lives(BOOT, 300, stepped(BOOT + 200 * SECOND, by, BOOT + 220 * SECOND))
     (stretch,) = life.ledger.suspect_time
     assert stretch == (BOOT + 200 * SECOND, BOOT + 219 * SECOND, by / SECOND, "passed")
     hours = f"{abs(by) / HOUR:,.2f} h {'ahead' if by > 0 else 'behind'}"
@@ -181,8 +258,8 @@ def test_a_clock_set_back_by_hours_makes_no_robot_deaf(design: Robot) -> None:
 def test_1970_at_the_first_boot_until_the_time_is_known(design: Robot) -> None:
     """Nothing is known yet: what comes before the clock is set does not count, and is said."""
     life = Life(design).lives(BOOT, 900, stepped(BOOT, -BOOT, BOOT + 40 * SECOND))
+    assert life.ledger.to_json() == Life(design).lives(BOOT + 40 * SECOND, 860).ledger.to_json()
     assert life.heard == 860
-    assert life.ledger.started == BOOT + 40 * SECOND
     assert life.seconds == pytest.approx([859, 859], rel=1e-9)
     assert life.notes == ["the clock is before 2025: nothing counts until it is set, for ten minutes at most"]
 
@@ -299,15 +376,32 @@ class Stamped:
         return Numbers(self._stamp, None, [(f"{self.topic}.temperature", self._value)], [])
 
 
-@pytest.mark.parametrize("off", [5.0, -5.0, 3600.0, -3600.0])
-def test_two_machines_whose_clocks_are_apart(off: float, tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def two_topics() -> Robot:
     shelf = {"rate": "0.001 /h", **bound("/shelf", "temperature", unit="degC", max_age="10 s"), **WARM}
-    design = robot(**MEASURED, components={**MOTOR, "shelf": shelf})
+    return robot(**MEASURED, components={**MOTOR, "shelf": shelf})
+
+
+@pytest.fixture(scope="module")
+def together(two_topics: Robot) -> dict[str, Any]:
+    """The ledger of machines whose clocks agree."""
+    return watch(two_topics, TwoMachines(0.0), period=0.1).ledger.to_json()
+
+
+@pytest.mark.parametrize("off", [5.0, -5.0, 3600.0, -3600.0])
+def test_two_machines_whose_clocks_are_apart(
+    two_topics: Robot, together: dict[str, Any], off: float, tmp_path: Path
+) -> None:
+    """The ledger is that of clocks that agree, bit for bit; a stamp of 5 s ago is believed, which begins it earlier."""
     source = TwoMachines(off)
-    with Journal(tmp_path / "run.journal", design.signals) as journal:
-        ledger = watch(design, source, journal=journal, period=0.1).ledger
+    with Journal(tmp_path / "run.journal", two_topics.signals) as journal:
+        ledger = watch(two_topics, source, journal=journal, period=0.1).ledger
     assert not ledger.counts
-    kept = Counter(sample.signal for sample in JournalRecording(tmp_path / "run.journal").samples(design.signals))
+    if off == -5:
+        assert ledger.clocks.value * 3600 == pytest.approx(np.array(together["totals"]["clocks"][0]) * 3600 + 5)
+    else:
+        assert ledger.to_json() == together
+    kept = Counter(sample.signal for sample in JournalRecording(tmp_path / "run.journal").samples(two_topics.signals))
     assert kept["/motor.temperature"] == kept["/shelf.temperature"] == 200
     told = [note for note in source.notes if "/motor" in note]
     assert told == [{

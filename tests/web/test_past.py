@@ -19,6 +19,7 @@ from robophm.core.signal import SECOND, Sample
 from robophm.design.file import load
 from robophm.health.ledger import Ledger
 from robophm.monitoring.live_loop import watch
+from robophm.monitoring.replay import replay
 from robophm.stores.sqlite import SqliteStore
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.recordings.opening import open_source
@@ -201,6 +202,31 @@ def _settled(robot: Any, ledger: Ledger, name: str) -> Any:
     from robophm.health.exposure import ExposureIntegrator
 
     return getattr(ExposureIntegrator(robot).settled(ledger), name).value
+
+
+def test_whoever_asks_an_idle_service_again_and_again_costs_it_little(cart: Path, tmp_path: Path) -> None:
+    """The same past is read and worked out once; what another process adds to it, or another store there, is seen."""
+    past = Path(f"{cart}.past")
+
+    def lived(*hours: int) -> None:
+        with SqliteStore(past) as store:
+            for hour in hours:
+                replay(load(cart), drive(tmp_path / f"{hour}.journal", hour), store=store)
+
+    def hours() -> float:
+        return float(served.get("/api/health")["clocks"]["operating"])
+
+    lived(0)
+    with beside(cart) as served:
+        prepared = served.service.prepared()
+        reports = [prepared.health(*served.service.past(prepared))[0] for _ in range(2)]
+        assert reports[0] is reports[1]
+        assert hours() == pytest.approx(1, rel=1e-12)
+        lived(1)
+        assert hours() == pytest.approx(2, rel=1e-12)
+        for one in tmp_path.glob("cart.yaml.past*"):
+            one.unlink()
+        assert hours() == 0
 
 
 def test_where_the_past_is_kept_is_said(cart: Path, printed: Printed) -> None:

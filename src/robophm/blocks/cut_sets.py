@@ -62,7 +62,7 @@ class MinimalSets:
     """
 
     def __init__(self, tree: FaultTree, until: float = math.inf) -> None:
-        tree.must_be_coherent("has prime implicants in place of minimal cut sets, which are not listed")
+        tree.must_be_coherent("has prime implicants in place of minimal cut sets")
         self.names = tree.names
         self._events = tree.modular.events
         self._parts = [_minimal(part, tree.limit, until) for part in tree.modular.parts]
@@ -171,6 +171,8 @@ class MinimalSets:
                 yield MinimalSet(names, math.prod(float(p[i]) for i in chosen))
                 continue
             number, g, rest, owed = goal
+            if g == FALSE:  # of a top that never occurs
+                continue
             if g == TRUE:
                 heapq.heappush(heap, (bound, next(serial), spent, chosen, rest))
                 continue

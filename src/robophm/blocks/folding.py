@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -161,32 +161,59 @@ def _with(counts: list[float], failed: float, works: float) -> list[float]:
 
 
 def _by_products(k: int, inputs: Array, out: Array, task: bool) -> None:
+    """Count of many inputs those that work up to k − 1, or those that have failed up to n − k, whatever is fewer."""
+    most = min(k - 1, inputs.shape[1] - k)
+    failures = most < k - 1
+    up_to, beyond = (WORKS, FAILED) if failures else (FAILED, WORKS)
     for column in range(inputs.shape[2]):
-        now, end, change = _multiplied(_in_few(inputs[:, :, column]), task)
-        out[FAILED, column], out[WORKS, column] = now[:k].sum(), end[k:].sum()
+        units = inputs[:, :, column]
+        works, lost = sides(units, task)
+        now, end = np.stack((units[FAILED], works)), np.stack((lost, units[WORKS]))
+        if failures:
+            now, end = now[::-1], end[::-1]
+        change = units[CHANGE:]
+        counted_now, counted_end, changing = _multiplied(_in_few(now), _in_few(end), _in_few(change), most, task)
+        of = {FAILED: counted_now, WORKS: counted_end}
+        out[up_to, column], out[beyond, column] = of[up_to].up_to.sum(), of[beyond].beyond
         if len(out) > CHANGE:
-            out[CHANGE, column] = change[k - 1]
+            out[CHANGE, column] = changing[most]
 
 
-def _counted(inputs: Array, task: bool) -> tuple[Array, Array, Array]:
-    """Along the first axis: P(j work now), P(j work at the end), and P(j others work and one changes)."""
-    if inputs.shape[1] == 1:
-        works, lost = sides(inputs[:, 0], task)
-        end = inputs[: WORKS + 1, 0]
-        now = end
-        if task:
-            now, end = np.stack((end[FAILED], works)), np.stack((lost, end[WORKS]))
-        return now, end, inputs[CHANGE:, 0]
-    half = inputs.shape[1] // 2
-    return _joined(_counted(inputs[:, :half], task), _counted(inputs[:, half:], task), task)
+class _Count(NamedTuple):
+    """The probabilities of 0, 1, … inputs up to a most, along the first axis, and of more."""
+
+    up_to: Array
+    beyond: Array | float
+
+    def with_others(self, other: _Count, most: int) -> _Count:
+        """Return the count of these inputs and others; every term is positive."""
+        whole = _product(self.up_to, other.up_to)
+        if len(whole) <= most + 1:
+            return _Count(whole, 0.0)
+        both = self.beyond * (other.up_to.sum(axis=0) + other.beyond) + other.beyond * self.up_to.sum(axis=0)
+        return _Count(whole[: most + 1], whole[most + 1 :].sum(axis=0) + both)
 
 
-def _joined(
-    one: tuple[Array, Array, Array], other: tuple[Array, Array, Array], task: bool
-) -> tuple[Array, Array, Array]:
-    now = _product(one[0], other[0])
-    end = _product(one[1], other[1]) if task else now
-    change = _product(one[2], other[1]) + _product(one[0], other[2]) if len(one[2]) else one[2]
+_Counted = tuple[_Count, _Count, Array]
+"""How many count now, and how many at the end, and P(j others count and one changes)."""
+
+
+def _counted(now: Array, end: Array, change: Array, most: int, task: bool) -> _Counted:
+    if now.shape[1] == 1:
+        return _Count(now[:, 0], 0.0), _Count(end[:, 0], 0.0), change[:, 0]
+    half = now.shape[1] // 2
+    one, other = (_counted(now[:, side], end[:, side], change[:, side], most, task)
+                  for side in (slice(half), slice(half, None)))  # fmt: skip
+    return _joined(one, other, most, task)
+
+
+def _joined(one: _Counted, other: _Counted, most: int, task: bool) -> _Counted:
+    now = one[0].with_others(other[0], most)
+    end = one[1].with_others(other[1], most) if task else now
+    change = one[2]
+    if len(change):
+        first, second = _product(one[2], other[1].up_to), _product(one[0].up_to, other[2])
+        change = first[: most + 1] + second[: most + 1]
     return now, end, change
 
 
@@ -203,23 +230,33 @@ def _product(one: Array, other: Array) -> Array:
 
 
 def _in_few(units: Array) -> Array:
-    """Inputs of shape (numbers, n) in columns of a few; what is missing there has failed."""
+    """Inputs of shape (numbers, n) in columns of a few; what is missing there does not count."""
     columns = -(-units.shape[1] // FEW)
     filled = np.zeros((len(units), columns * FEW), units.dtype)
     filled[:, : units.shape[1]] = units
-    filled[FAILED, units.shape[1] :] = 1
+    if len(units) > 1:
+        filled[0, units.shape[1] :] = 1
     return np.ascontiguousarray(filled.reshape(len(units), columns, FEW).transpose(0, 2, 1))
 
 
-def _multiplied(few: Array, task: bool) -> tuple[Array, Array, Array]:
+def _multiplied(now: Array, end: Array, change: Array, most: int, task: bool) -> _Counted:
     """The results of ``_counted`` for one column, given as columns of a few."""
-    now, end, change = (np.ascontiguousarray(one.T) for one in _counted(few, task))
-    parts = list(zip(now, end, change, strict=True))
+    counted_now, counted_end, changing = _counted(now, end, change, most, task)
+    parts = [
+        (_of_column(counted_now, i), _of_column(counted_end, i), np.ascontiguousarray(changing[:, i]))
+        for i in range(now.shape[2])
+    ]
     while len(parts) > 1:
         parts = [
-            _joined(parts[i], parts[i + 1], task) if i + 1 < len(parts) else parts[i] for i in range(0, len(parts), 2)
+            _joined(parts[i], parts[i + 1], most, task) if i + 1 < len(parts) else parts[i]
+            for i in range(0, len(parts), 2)
         ]
     return parts[0]
+
+
+def _of_column(count: _Count, i: int) -> _Count:
+    beyond = count.beyond if isinstance(count.beyond, float) else float(count.beyond[i])
+    return _Count(np.ascontiguousarray(count.up_to[:, i]), beyond)
 
 
 def exactly(k: int, inputs: Array) -> Array:

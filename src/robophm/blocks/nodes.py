@@ -62,6 +62,11 @@ class Table:
         """Return the nodes that a node becomes where x, which lies no deeper, is true, and where it is false."""
         return (self.high[g], self.low[g]) if self.level[g] == x else (g, g)
 
+    def go_on(self, steps: int, until: float) -> None:
+        """Allow so many steps more, until then."""
+        self._limit, self._until = self.steps() + steps, until
+        self._look = min(self._limit, self._look + _OFTEN)
+
     def steps(self) -> int:
         """Return how many steps have been taken."""
         return len(self._both) + len(self._either) + len(self._choice) + len(self._opposite)

@@ -18,6 +18,7 @@ from robophm.blocks.fault_tree import FaultTree, dual
 from robophm.blocks.graph import ALL, UNIT, Gate
 from robophm.blocks.listed_sets import ListedSets, list_sets
 from robophm.blocks.nodes import TooLargeError
+from robophm.blocks.prime_implicants import PrimeImplicants
 
 Array = npt.NDArray[np.float64]
 
@@ -53,9 +54,17 @@ class TopEvent:
     def cut_sets(self, most: int, order: int | None = None) -> ListedSets:
         """Return the smallest sets of events that bring it about; arguments as of ``list_sets``.
 
-        Raises StructureError for a tree with "not" or "xor", and where there are too many sets.
+        Of a tree with "not" or "xor" they are prime implicants, with what must not have occurred: "not valve". Raises
+        StructureError where there are too many sets.
         """
-        return list_sets(MinimalSets(self.tree), self.occurred, self.probability, most, order)
+        sets, chances = self._smallest(math.inf)
+        return list_sets(sets, chances, self.probability, most, order)
+
+    def _smallest(self, until: float) -> tuple[MinimalSets, Array]:
+        """All minimal sets, and the probability of each event in them."""
+        if self.tree.coherent:
+            return MinimalSets(self.tree, until), self.occurred
+        return PrimeImplicants(self.tree, until), np.concatenate([self.occurred, self.not_yet])
 
     def path_sets(self, most: int, order: int | None = None) -> ListedSets:
         """Return the smallest sets of events whose absence is enough for it not to occur; as ``cut_sets``."""
@@ -91,19 +100,18 @@ class Answer:
     def cut_sets(self, most: int, order: int | None = None) -> ListedSets:
         """Return minimal cut sets as ``TopEvent.cut_sets``; all are counted, or as many as can be in the time.
 
-        Raises StructureError for a tree with "not" or "xor".
+        Prime implicants are all found, or none.
         """
         tree, occurred = self._event.tree, self._event.occurred
-        tree.must_be_coherent("has prime implicants in place of minimal cut sets, which are not listed")
         now = time.perf_counter()
         if self.exact:
             try:
-                sets = MinimalSets(tree, now + max((self._until - now) / 2, _LEAST))
-                return list_sets(sets, occurred, self.chance.low, most, order)
+                sets, chances = self._event._smallest(now + max((self._until - now) / 2, _LEAST))
+                return list_sets(sets, chances, self.chance.low, most, order)
             except TooLargeError:
                 pass
         found, smallest = None, math.inf
-        for share in _SHARES:
+        for share in _SHARES if tree.coherent else ():
             try:
                 found = MinimalSets.likely(tree, self._parts, occurred, share, self._until if found else math.inf)
             except TooLargeError:

@@ -6,7 +6,15 @@ from typing import Annotated
 
 import typer
 
-from robophm.cli.shared.fault_trees import answer_json, answer_text, of_robot, print_sets, sets_json
+from robophm.cli.shared.fault_trees import (
+    answer_json,
+    answer_text,
+    estimated,
+    of_robot,
+    print_estimate,
+    print_sets,
+    sets_json,
+)
 from robophm.cli.shared.options import Design, Json, Limit, MostSets, Order, time_option
 from robophm.cli.shared.output import console, print_json
 from robophm.cli.shared.unused import refuse_unused
@@ -32,10 +40,11 @@ def command(
         refuse_unused("path sets, of which all are found", ("design", "function", "order", "paths", "at", "most"))
         listed = system.event.path_sets(most, order)
     kind, answer = "path" if paths else "cut", system.event.within(limit)
+    by_chance = estimated(system.event, answer)
     if not paths:
         listed = answer.cut_sets(most, order)
     if as_json:
-        document = answer_json(answer)
+        document = answer_json(answer, by_chance)
         document["unreliability"] = document.pop("probability")
         print_json({"system": system.name, "when": system.when, **document,
                     f"{kind}_sets": sets_json(listed), **system.json})  # fmt: skip
@@ -43,5 +52,6 @@ def command(
     out = console()
     has_failed = system.fails(probability_text(answer.chance.low) if answer.exact else answer_text(answer))
     out.print(f"{system.name}, {system.when}: has failed with {has_failed}", markup=False, soft_wrap=True)
+    print_estimate(by_chance)
     system.print_unknown()
-    print_sets(listed, kind)
+    print_sets(listed, f"minimal {kind} set")

@@ -123,7 +123,7 @@ def run(robot: Robot, ledger: Ledger | None, question: Question, *, as_json: boo
 def run_model(path: Path, hours: float | None, by: str, most: int, *, as_json: bool) -> None:
     """Print the answer for a coherent fault tree in the Open-PSA format."""
     refuse_unused("a fault tree", ("hours", "by", "most"))
-    system = of_model([path], hours, None)
+    system = of_model(path, hours)
     found = of_tree(system.event, math.nan if hours is None else hours)
     question = Question(Plan(()), "nominal", None, hours, by, most)
     if as_json:

@@ -34,6 +34,11 @@ def plugs(package: str) -> list[str]:
     return sorted(_files(package) | {entry.name for entry in entry_points(group=package)})
 
 
+def has_plug(package: str, name: str) -> bool:
+    """Return whether a plug folder has a plug of this name, among its own files or the entry points of its group."""
+    return name in _files(package) or bool(entry_points(group=package, name=name))
+
+
 def load_plug(package: str, name: str, kind: str) -> ModuleType:
     """The module of one plug, imported on first use; a folder's own file goes before an entry point.
 

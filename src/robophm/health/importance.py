@@ -13,7 +13,7 @@ from robophm.blocks.diagram import Block
 from robophm.blocks.fussell_vesely import fussell_vesely
 from robophm.blocks.given_it_works import FAINTEST, StructureGivenItWorks, as_decimals, decimals
 from robophm.blocks.given_it_works import chances as of_hazards
-from robophm.blocks.importance import barlow_proschan, importance
+from robophm.blocks.importance import AT_ONCE, barlow_proschan, importance
 from robophm.blocks.reliability import Structure
 from robophm.blocks.single_points import single_points_of_failure
 from robophm.blocks.top_event import TopEvent
@@ -131,12 +131,14 @@ def importances(outlook: Outlook, drawn: Drawn, hours: float, *, lifelong: bool 
 
 
 def of_tree(event: TopEvent, hours: float = math.nan) -> Importances:
-    """Return the importances of the events of a coherent fault tree, from their probabilities.
+    """Return the importances of the events of a fault tree, from their probabilities.
 
-    Raises StructureError for one with "not" or "xor", where what fails may be for the better.
+    In one with "not" or "xor" those of an event whose failure is for the better are negative, and Fussell–Vesely's, of
+    minimal cut sets, are not stated. Raises StructureError where it is too large to solve exactly.
     """
     tree = event.tree
-    tree.must_be_coherent("has events whose importance would be negative, which is not stated")
+    if not tree.coherent:
+        return _of_either_way(event, hours)
     diagram = tree.diagram()
     structure = Structure(diagram)
     place = {name: i for i, name in enumerate(tree.names)}
@@ -145,6 +147,29 @@ def of_tree(event: TopEvent, hours: float = math.nan) -> Importances:
     failure = float(structure.probability(works, failed)[1])
     nothing = np.full(len(order), math.nan)
     return _stated(diagram, structure, (np.zeros(len(order)), failed, works), nothing, hours, failure, math.nan)
+
+
+def _of_either_way(event: TopEvent, hours: float) -> Importances:
+    """Importances in a tree that is not coherent: of the top event with each event given, and without it."""
+    n, whole = len(event.tree.names), event.probability
+    given = np.empty((2, n))
+    turn = max(1, AT_ONCE // n)
+    for start in range(0, n, turn):
+        some = np.arange(start, min(start + turn, n))
+        for i, (occurred, not_yet) in enumerate(((0.0, 1.0), (1.0, 0.0))):
+            p, q = (np.repeat(one[:, None], len(some), axis=1) for one in (event.occurred, event.not_yet))
+            p[some, some - start], q[some, some - start] = occurred, not_yet
+            given[i, some] = event.tree.probability(p, q)
+    without, sure = given
+    nothing = np.full(n, math.nan)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        columns = (sure - without, event.occurred * (sure - without) / whole, nothing, sure / whole, whole / without,
+                   whole - without, nothing)  # fmt: skip
+    units = zip(event.tree.names, *columns, strict=True)
+    refused = "it is of minimal cut sets, which a tree with 'not' or 'xor' has none of"
+    return Importances(
+        hours, whole, math.nan, tuple(UnitImportance(name, *map(float, values)) for name, *values in units), refused
+    )
 
 
 def _stated(

@@ -41,6 +41,8 @@ class Topic:
     """Numeric fields, ``[]`` for the index of an element, and their units where the type states one."""
     names: Mapping[str, list[str]] = field(default_factory=dict)
     """Names by which the first message tells the elements of fields, by field."""
+    lengths: Mapping[str, int] = field(default_factory=dict)
+    """Number of elements of arrays in the first message, by field, where it was looked into."""
     messages: int = 0
     first: int | None = None
     last: int | None = None
@@ -124,13 +126,18 @@ def timed(recorded: Recorded, gap: int | None = None) -> Overview:
 
 
 def named(seen: Overview, paths: Sequence[Path]) -> Overview:
-    """Add the names of elements that some messages in these files tell, and why a topic has no numbers; return it."""
+    """Add what messages in these files tell: names of elements, lengths of arrays, why there are no numbers."""
     names: dict[str, dict[str, list[str]]] = {}
+    lengths: dict[str, dict[str, int]] = {}
     undecoded: dict[str, str] = {}
     with suppress(SourceError), Salvage(*paths) as recording:  # what is damaged is said in the notes
         names, undecoded = recording.names(), recording.undecoded()
+        lengths = recording.lengths()
     for topic in seen.topics:
         topic.names = names.get(topic.name, {})
+        numeric = [one for one in topic.fields if "[]" in one]
+        told = lengths.get(topic.name, {})
+        topic.lengths = {one: told[one] for one in told if any(field.startswith(one) for field in numeric)}
         topic.no_numbers = "" if topic.fields else undecoded.get(topic.name, "its type has none")
     return seen
 

@@ -13,7 +13,8 @@ from robophm.measured.recordings import Recorded
 from robophm.transports.recordings.files import holds_messages
 
 APART = 0.1
-"""Part of the time of a file within which of its end the one that follows it begins."""
+"""Part of the time of a file within which of its end the one that follows it begins, or else within two intervals of
+its fastest topic."""
 
 NAMING = 12
 """Files of those that are one, as far apart, whose messages are looked into for names."""
@@ -91,7 +92,8 @@ def _follows(before: Recorded, heard: Overview, after: Recorded, then: Overview)
     if not heard.span or not then.span or _place(before) != _place(after):
         return False
     begin, end = heard.span
-    if abs(then.span[0] - end) > APART * (end - begin):
+    interval = min((topic.interval for topic in heard.topics if topic.interval), default=0)
+    if abs(then.span[0] - end) > max(APART * (end - begin), 2 * interval):
         return False
     shared = before.topics.keys() & after.topics.keys()
     return (

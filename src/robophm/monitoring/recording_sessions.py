@@ -95,17 +95,16 @@ def sessions_of(
     sessions: list[RecordingSession] = []
     missing, topics = dict.fromkeys(robot.signals, ""), dict[str, Kind]()
     unread: list[str] = []
-    lacking: dict[str, str] = {}
-    before: Kinds | None = None
-    signals: tuple[str, ...] = ()
+    known: dict[Kinds, tuple[str, ...]] = {}
+    """The signals that files with these topics have: of thousands of one drive there are few."""
     for name, opens, found in _opened(recorded, unread):
-        if found.kinds != before:  # as it is in the file before
-            before = found.kinds
-            here = dict(before)
+        signals = known.get(found.kinds)
+        if signals is None:
+            here = dict(found.kinds)
             topics |= here
             lacking = missing_signals(robot, here)
             missing = {signal: lacking[signal] for signal in missing if signal in lacking}
-            signals = tuple(signal for signal in robot.signals if signal not in lacking)
+            signals = known[found.kinds] = tuple(signal for signal in robot.signals if signal not in lacking)
         if signals:
             key = _key(found.fingerprint, signals)
             sessions.append(RecordingSession(name, key, signals, found.first, found.last, opens, found.files))

@@ -25,16 +25,17 @@ MOST_PARTS = 20_000
 _MOST_LISTED = 10
 
 
-def counted(listed: ListedSets, kind: str) -> str:
+def counted(listed: ListedSets, kind: str = "minimal cut set") -> str:
     """The number of sets in words: "30 minimal cut sets: 12 of 1, 18 of 2"."""
+    sets = kind if listed.count == 1 else f"{kind}s"
     if math.isinf(listed.cut_off):
-        return f"{count_text(listed.count)} minimal {kind} sets were found, and there may be likelier ones"
+        return f"{count_text(listed.count)} {sets} found in this time; there are others, and there may be likelier ones"
     by_order = ", ".join(f"{count_text(n)} of {i}" for i, n in enumerate(listed.by_order, 1) if n)
     rest = listed.count - sum(listed.by_order)
     more = f", {count_text(rest)} of more than {ORDERS}" if rest and by_order else ""
     least = f"at least {listed.cut_off:g} times as likely as their module" if listed.cut_off else ""
     some = f" {least}, with some of the less likely" if least else ""
-    return f"{count_text(listed.count)} minimal {kind} sets{some}: {by_order or f'all of more than {ORDERS}'}{more}"
+    return f"{count_text(listed.count)} {sets}{some}: {by_order or f'all of more than {ORDERS}'}{more}"
 
 
 def left_out(listed: ListedSets) -> str:
@@ -67,7 +68,7 @@ def what_it_takes_to_fail(robot: Robot, report: HealthReport) -> Iterator[Html |
     except StructureError:
         yield "What else fails it would take longer to find than a page may take; `robophm cutsets` has the time."
         return
-    yield f"In all {counted(listed, 'cut')} parts."
+    yield f"In all {counted(listed)} parts."
     rows = [
         (", ".join(one.names), len(one.names), one.probability, f"{number_text(100 * listed.share(one), 3)} %")
         for one in listed.sets

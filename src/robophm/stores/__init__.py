@@ -12,7 +12,7 @@ from pathlib import Path
 
 from robophm.core.argument_checks import shown
 from robophm.core.errors import RobophmError, StoreError, nearest
-from robophm.core.registry import load_class, plugs
+from robophm.core.registry import has_plug, load_class, plugs
 from robophm.stores.store import Restored, Store
 
 __all__ = ["Address", "Store", "existing_store", "open_store", "stores"]
@@ -75,7 +75,7 @@ def _split(address: Address) -> tuple[str, str]:
     if not isinstance(address, str | os.PathLike) or not isinstance(text := os.fspath(address), str) or not text:
         raise StoreError(f"store {shown(address)}: expected a path, or its kind and where it is, sqlite:robots.db")
     name, colon, where = text.partition(":")
-    if colon and name in stores():
+    if colon and has_plug(__name__, name):
         return name, where
     if colon and len(name) > 1 and name.isalpha() and not Path(text).exists():  # one letter is a drive of Windows
         raise StoreError(f"store {text:.60}: no kind of store '{name:.60}'{nearest(name, stores())}; "

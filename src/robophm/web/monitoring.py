@@ -237,12 +237,9 @@ class Monitoring:
         run = self.run
         if run and run.ledger is not None:
             return run.ledger if run.robot is robot else Ledger.of(robot, run.ledger.to_json())
-        if self._store and store_exists(self._store):
-            with open_store(self._store) as store:
-                kept = self._kept(robot, store)
-            if kept is not None:
-                return kept
-        return Ledger.new(robot)
+        with self._opened.opened() if self._opened else nullcontext() as store:
+            kept = self._kept(robot, store) if store else None
+        return Ledger.new(robot) if kept is None else kept
 
     def _store_of(self, choice: Choice) -> Store:
         """The store that a source's samples go to."""

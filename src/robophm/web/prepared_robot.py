@@ -8,7 +8,7 @@ from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 from robophm.blocks.single_points import single_points_of_failure
 from robophm.design.robot import Module, Robot
@@ -17,8 +17,11 @@ from robophm.health.ledger import Ledger
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
+from robophm.health.report import HealthReport
+from robophm.health.reporting import health_report
 from robophm.health.unknown_rates import PartsOfUnknownRate, unknown
 from robophm.health.when_new import hazard_rates
+from robophm.health.why import Explanation, explain
 from robophm.health.worn import SeenWear
 from robophm.monitoring.wear_watch import WearWatch
 from robophm.web.shapes import LevelFigures, UnknownRates
@@ -33,6 +36,9 @@ class PreparedRobot:
         self.robot = robot
         self.wear = WearWatch(robot)
         """Forecasts of its wear."""
+        self._asking = threading.Lock()
+        self._known: tuple[Mapping[str, Any], HealthReport, Explanation] | None = None
+        """The past for which its health was worked out last, that health, and why it is so."""
 
     @cached_property
     def plant(self) -> Plant:
@@ -42,6 +48,16 @@ class PreparedRobot:
     def seen_wear(self, exposure: ExposureIntegrator, ledger: Ledger) -> Sequence[SeenWear]:
         """Return what sensors have seen of the robot's wear by now, as the ledger tells."""
         return self.wear.renewed(exposure.settled(ledger))
+
+    def health(self, exposure: ExposureIntegrator, ledger: Ledger) -> tuple[HealthReport, Explanation]:
+        """Return its health by this past, and why it is so: worked out once for a past that stays the same."""
+        past = ledger.to_json()
+        with self._asking:
+            if self._known is None or self._known[0] != past:
+                settled = exposure.settled(ledger)
+                report = health_report(self.plant, exposure, settled, wear=self.wear.renewed(settled))
+                self._known = past, report, explain(report)
+            return self._known[1:]
 
     @cached_property
     def new(self) -> Outlook:

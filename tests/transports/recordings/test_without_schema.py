@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import struct
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -133,6 +134,18 @@ def test_a_field_of_several_kinds_is_a_number_where_it_is_one(tmp_path: Path) ->
     assert len(values) == len(each)
 
 
+def test_an_array_that_is_something_else_costs_itself(tmp_path: Path) -> None:
+    """A tag or a simple value that nobody has assigned, bytes, a text, a number, nothing."""
+    each = [cbor2.CBORTag(7, 1), cbor2.CBORSimpleValue(11), b"12", "12", 1.5, None, {"1": 2}]
+    raws = [cbor2.dumps({"many": one, "v": 1.5}) for one in ([1, 2], *each)]
+    number = {"type": "number"}
+    schema = {"properties": {"many": {"type": "array", "items": number}, "v": number}}
+    with open_source(write(tmp_path / "drive.mcap", "cbor", raws, json.dumps(schema).encode())) as source:
+        found = [(one.signal, one.value) for one in source.samples(["/pack.many[1]", "/pack.v"])]
+    assert [value for signal, value in found if signal == "/pack.v"] == [1.5] * len(raws)
+    assert [value for signal, value in found if signal != "/pack.v" and not math.isnan(value)] == [2]
+
+
 def test_a_message_that_is_no_object_is_its_value(tmp_path: Path) -> None:
     path = write(tmp_path / "drive.mcap", "json", [b"1.5", b"2.5"])
     with open_source(path) as source:
@@ -154,6 +167,16 @@ def test_numbers_of_cbor_are_those_that_its_specification_prints(tmp_path: Path)
         assert [one.value for one in source.samples(["/pack.v"])] == [*RFC_8949.values()]
 
 
+def test_of_cbor_what_has_other_keys_or_tags_is_no_number(tmp_path: Path) -> None:
+    """And does not cost the numbers beside it."""
+    tags = [cbor2.CBORTag(tag, one) for tag, one in ((1, 1.5e9), (4, [-1, 15]), (30, [1, 2]), (258, [1, 2]), (999, 1))]
+    told = cbor2.CBORTag(55799, {1: 2.0, (1, 2): 3.0, "tags": tags, "v": 4.5})
+    path = write(tmp_path / "drive.mcap", "cbor", [cbor2.dumps(told)])
+    assert recorded_topics(path)["/pack"][1] == ("v",)
+    with open_source(path) as source:
+        assert [one.value for one in source.samples(["/pack.v"])] == [4.5]
+
+
 MESSAGE_PACK = {
     "7f": 127, "e0": -32, "cc80": 128, "cdffff": 65535, "ceffffffff": 2**32 - 1, "cfffffffffffffffff": 2.0**64,
     "d080": -128, "d18000": -(2**15), "d280000000": -(2**31), "d38000000000000000": -(2.0**63), "c2": 0, "c3": 1,
@@ -168,6 +191,11 @@ def test_numbers_of_message_pack_are_those_that_its_specification_says(tmp_path:
         assert [one.value for one in source.samples(["/pack.v"])] == [*MESSAGE_PACK.values()]
 
 
+def one_hash(number: int) -> bytes:
+    """A key of CBOR, all of which have the same hash in Python, and its value."""
+    return b"\x1b" + struct.pack(">Q", number * (2**61 - 1) % 2**64) + b"\x01"
+
+
 HOSTILE = {
     "cbor": {
         "cut": cbor2.dumps({"v": [1.0] * 9})[:-3],
@@ -177,6 +205,11 @@ HOSTILE = {
         "a number of a thousand bytes": b"\xa1\x61v\xc2\x59\x03\xe8" + b"\x01" * 1000,
         "a power of two": b"\xa1\x61v\xc5\x82\x1b\x00\x00\x00\xff\xff\xff\xff\xff\x01",
         "keys that are none": b"\xa2\x01\x02\xf6\x03",
+        "keys of one hash": b"\xba\x00\x00\xea\x60" + b"".join(map(one_hash, range(60_000))),
+        "a set of one hash": b"\xa1\x61v\xd9\x01\x02\x9a\x00\x00\xea\x60"
+        + b"".join(one_hash(n)[:-1] for n in range(60_000)),
+        "a decimal fraction": b"\xa1\x61v\xc4\x82\x00\xc2\x5a\x00\x0f\x42\x40" + b"\x7b" * 1_000_000,
+        "a pattern": b"\xa1\x61v\xd8\x23\x7a\x00\x0f\x42\x40" + b"[a-z]|(" * 142_857 + b"a",
         "nothing": b"",
     },
     "msgpack": {

@@ -7,6 +7,8 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
 from typer.testing import CliRunner
 
 from robophm.cli.app import app
@@ -381,6 +383,33 @@ def test_names_are_looked_for_at_several_places_and_more_may_be(tmp_path, write_
         names = recording.names()["/diagnostics"]["status[arm: motor 1].values[]"]
     assert names == ["early", "late"]
     words = " ".join(CliRunner().invoke(app, ["data", "list", str(path)]).stdout.split())
-    assert "maybe others" in words
+    assert "maybe others too" in words
     few = write_messages(tmp_path / "few.mcap", said[:70])
-    assert "maybe others" not in " ".join(CliRunner().invoke(app, ["data", "list", str(few)]).stdout.split())
+    assert "maybe others too" not in " ".join(CliRunner().invoke(app, ["data", "list", str(few)]).stdout.split())
+
+
+def test_arrays_are_listed_with_their_length_at_first(tmp_path):
+    """Of a scan, and of no image, whose bytes are not read for it."""
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    types = store.types
+    header = types["std_msgs/msg/Header"](types["builtin_interfaces/msg/Time"](T0 // SECOND, 0), "base")
+    with Writer(tmp_path / "drive", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        for topic, type_, parts in (
+            (
+                "/scan",
+                "LaserScan",
+                [(0.0,) * 7 + (np.zeros(360 + k, np.float32), np.zeros(0, np.float32)) for k in (0, 1)],
+            ),
+            ("/image", "Image", [(1, 1, "rgb8", 0, 3, np.zeros(3, np.uint8))]),
+        ):
+            name = f"sensor_msgs/msg/{type_}"
+            connection = writer.add_connection(topic, name, typestore=store)
+            for step, part in enumerate(parts):
+                writer.write(connection, T0 + step, store.serialize_cdr(types[name](header, *part), name))
+    with Recording(tmp_path / "drive") as recording:
+        assert recording.lengths() == {"/scan": {"ranges[]": 360, "intensities[]": 0}}
+    words = " ".join(CliRunner().invoke(app, ["data", "list", str(tmp_path / "drive")]).stdout.split())
+    assert "ranges[] (360) [m], intensities[] (0)" in words
+    assert "data[]" in words
+    assert "data[] (" not in words
+    assert "(…): elements in the first message" in words

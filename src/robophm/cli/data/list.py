@@ -74,16 +74,33 @@ def _print_splits(out: Console, some: Splits) -> None:
     print_table(out, table(f"{one.name}: {span}", columns, rows, figures=range(1, len(columns) - 1)))
     out.print()
     fields = []
+    looked = len(some.files) > NAMING
     for topic in topics:
-        names = [f"{name} [{unit}]" if unit else name for name, unit in topic.fields.items() if "header." not in name]
-        few = topic.messages > LOOKED_INTO or len(some.files) > NAMING
-        more = " (and maybe others: some messages were looked into)" if few else ""
-        names += [f"{field} of {', '.join(of)}{more}" for field, of in topic.names.items()]
-        fields.append((topic.name, topic.type.replace("/msg/", "/") or "?", ", ".join(names) or _no_numbers(topic)))
+        shown = ", ".join(_fields(topic, looked)) or _no_numbers(topic)
+        fields.append((topic.name, topic.type.replace("/msg/", "/") or "?", shown))
     print_table(out, table("", ("topic", "type", "fields [unit]"), fields))
+    if any(topic.names and (looked or topic.messages > LOOKED_INTO) for topic in topics):
+        out.print("…: maybe others too, as some messages were looked into")
+    if any(topic.lengths for topic in topics):
+        out.print("(…): elements in the first message", markup=False)
     if hidden := len(one.topics) - len(topics):
         out.print(f"and {hidden:,} more topic{'s' * (hidden > 1)}; all are in --json")
     out.print()
+
+
+def _fields(topic: Topic, looked: bool) -> list[str]:
+    """The fields of a topic, how many elements arrays have at first, and the names of those that have some.
+
+    ``looked``: some files were looked into for names.
+    """
+    shown = []
+    for name, unit in topic.fields.items():
+        head, array, tail = name.rpartition("[]")
+        length = topic.lengths.get(head + array) if array and not tail else None
+        if "header." not in name:
+            shown.append(name + (f" ({length:,})" if length is not None else "") + (f" [{unit}]" if unit else ""))
+    more = " …" if looked or topic.messages > LOOKED_INTO else ""
+    return shown + [f"{field} of {', '.join(of)}{more}" for field, of in topic.names.items()]
 
 
 def _bursts(topic: Topic) -> str:

@@ -6,14 +6,14 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from robophm.blocks.cut_sets import MinimalSet
 from robophm.blocks.listed_sets import ListedSets
 from robophm.blocks.top_event import Answer, TopEvent
-from robophm.cli.shared.output import console, print_table, table
+from robophm.cli.shared.output import console, estimate_text, print_table, table
 from robophm.core.json_values import plain
-from robophm.design.importers.open_psa import Model, load
+from robophm.design.importers.open_psa import Model, load, load_all
 from robophm.design.robot import Robot
 from robophm.health.fault_tree import fault_tree
 from robophm.health.outlooks import as_designed
@@ -21,6 +21,12 @@ from robophm.health.plant import Plant
 from robophm.health.unknown_rates import PartsOfUnknownRate
 from robophm.report.minimal_sets import counted, left_out
 from robophm.report.words import number_text
+
+if TYPE_CHECKING:
+    from robophm.groups.monte_carlo import Estimate
+
+BESIDE_BOUNDS = 1_000_000
+"""Samples of an estimate beside bounds: a second or two."""
 
 MOST_EVENTS = 1_000_000
 """A number of events that no minimal cut set has, so that the smallest are listed whatever their number."""
@@ -77,9 +83,18 @@ def of_robot(robot: Robot, function: str | None, hours: float) -> System:
     return System(f"{robot.name}: {function}" if function else robot.name, when, found, found.rates, found.unknown)
 
 
-def of_model(paths: Sequence[Path], time: float | None, top: str | None) -> System:
-    """Return the system of a model in the Open-PSA format, of one file or several, at a mission time."""
-    model = load(paths, time, top)
+def of_model(path: Path, time: float | None) -> System:
+    """Return the system of a model in the Open-PSA format that answers one question, at a mission time."""
+    return _of(load(path, time), [path], time)
+
+
+def of_models(paths: Sequence[Path], time: float | None, top: str | None) -> list[System]:
+    """Return the top events of a model, of one file or several, and the sequences of its event trees; or those named
+    ``top`` alone."""
+    return [_of(model, paths, time) for model in load_all(paths, time, top)]
+
+
+def _of(model: Model, paths: Sequence[Path], time: float | None) -> System:
     event = model.structure() if model.tree else None
     when = f"at {number_text(time)} h" if time is not None else "as given"
     names = ", ".join(path.name for path in paths)
@@ -92,19 +107,35 @@ def answer_text(answer: Answer) -> str:
     if answer.exact:
         return f"{chance.low:.6g} (exact)"
     return (
-        f"between {chance.low:.6g} and {chance.high:.6g} (proved bounds {100 * chance.width:.2g} % apart; "
+        f"a probability between {chance.low:.6g} and {chance.high:.6g} (proved bounds {100 * chance.width:.2g} % apart; "
         "too large to be solved exactly in this time)"
     )
 
 
-def answer_json(answer: Answer) -> dict[str, Any]:
+def answer_json(answer: Answer, estimate: Estimate | None = None) -> dict[str, Any]:
     """Return for machines how likely a top event is; ``probability`` is null where only bounds are known."""
     return {
         "answer": "exact" if answer.exact else "proved bounds",
         "probability": answer.chance.low if answer.exact else None,
         "at_least": answer.chance.low,
         "at_most": answer.chance.high,
+        **({"estimate": asdict(estimate)} if estimate else {}),
     }
+
+
+def estimated(event: TopEvent, answer: Answer) -> Estimate | None:
+    """Return an estimate by chance beside bounds that are apart; none where the answer is exact."""
+    if answer.exact:
+        return None
+    from robophm.groups.monte_carlo import simulate_tree
+
+    return simulate_tree(event.tree, event.occurred.tolist(), BESIDE_BOUNDS)
+
+
+def print_estimate(estimate: Estimate | None) -> None:
+    """Print an estimate beside bounds, for people."""
+    if estimate:
+        console().print(f"By chance: {estimate_text(estimate)} ({estimate.samples:,} samples).", soft_wrap=True)
 
 
 def sets_json(listed: ListedSets) -> dict[str, Any]:
@@ -134,15 +165,20 @@ def sets_alone(answer: Answer, most: int, order: int | None) -> ListedSets:
     return replace(found, mass=math.nan, sets=sets, neglected=math.nan, whole=math.nan)
 
 
+def kind_of_sets(event: TopEvent) -> str:
+    """Return what the smallest sets that bring about a top event are called."""
+    return "minimal cut set" if event.tree.coherent else "prime implicant"
+
+
 def print_sets(listed: ListedSets, kind: str) -> None:
-    """Print sets for people."""
+    """Print sets of a kind, "minimal cut set" or such, for people."""
     out = console()
     out.print(counted(listed, kind), markup=False)
     rows = [
         (str(len(one.names)), _chance_text(one.probability), _share_text(listed.share(one)), ", ".join(one.names))
         for one in listed.sets
     ]
-    print_table(out, table("", ("parts", "probability", "share", f"minimal {kind} set"), rows, figures=(0, 1, 2)))
+    print_table(out, table("", ("parts", "probability", "share", kind), rows, figures=(0, 1, 2)))
     if rest := left_out(listed):
         out.print(rest, markup=False)
 

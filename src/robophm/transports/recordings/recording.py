@@ -27,6 +27,7 @@ from robophm.transports.signals.element_names import (
     Names,
     NotNamedError,
     add_names,
+    lengths_in,
     name_getter,
     names_in,
 )
@@ -35,6 +36,7 @@ from robophm.transports.signals.message_type import (
     MessageType,
     field_getter,
     fields_of,
+    holds_bytes,
     kinds_of,
     may_name_elements,
     message_type,
@@ -182,6 +184,24 @@ class Recording(SignalSource):
                     with suppress(Exception):  # what cannot be decoded, or is not there, names nothing
                         _name(known, message_type(one), (raw for _, raw, _ in one_by_one(file, [one.id], start)))
         return {topic: names for topic, names in found.items() if names}
+
+    def lengths(self) -> dict[str, dict[str, int]]:
+        """Return, by topic and field (``ranges[]``), how many elements the first message on a topic has.
+
+        Messages with arrays of bytes, as images are, are not read for it.
+        """
+        from robophm.transports.recordings.columns.rows import one_by_one
+
+        found: dict[str, dict[str, int]] = {}
+        for file, told in self._told:
+            for one in file.connections:
+                if one.id not in told or one.topic in found or "[]" not in " ".join(fields_of(one)):
+                    continue
+                with suppress(Exception):  # what cannot be decoded has no arrays
+                    if not holds_bytes(type_ := message_type(one)):
+                        raw = next(raw for _, raw, _ in one_by_one(file, [one.id], told[one.id][1][0][0]))
+                        found[one.topic] = lengths_in(type_.decode(raw)) if len(raw) <= LONGEST_NAMING else {}
+        return found
 
     def undecoded(self) -> dict[str, str]:
         """Return topics whose messages cannot be decoded, and why."""

@@ -241,6 +241,27 @@ def names_in(message: Any, most: int = MOST_NAMES) -> dict[str, list[str]]:
     return found
 
 
+def lengths_in(message: Any) -> dict[str, int]:
+    """Return how many elements the arrays of a decoded message have, the longest of each field: {"ranges[]": 360}.
+
+    At most MOST_NAMES fields, by as many elements of each array of messages.
+    """
+    found: dict[str, int] = {}
+
+    def look(one: Any, prefix: str, depth: int) -> None:
+        for each in fields_in(one) if depth < DEEPEST else ():
+            value, path = getattr(one, each.attribute), f"{prefix}{each.name}"
+            if each.length is None:
+                look(value, f"{path}.", depth + 1)
+            elif path in found or len(found) < MOST_NAMES:
+                found[f"{path}[]"] = max(found.get(f"{path}[]", 0), len(value))
+                for element in value[:MOST_NAMES] if len(value) and _attributes(value[0]) else ():
+                    look(element, f"{path}[].", depth + 1)
+
+    look(message, "", 0)
+    return found
+
+
 def add_names(known: dict[str, list[str]], more: Mapping[str, Sequence[str]]) -> bool:
     """Add the names of another message to those of earlier ones, each once; return whether there was a new one.
 

@@ -32,6 +32,11 @@ LEARNT = "learnt from messages"
 MOST_FIELDS = 1000
 """Fields that are learnt of one type of messages."""
 
+LONGEST_WITH_OTHER_KEYS = 1 << 14
+"""Bytes of a message in CBOR beyond which all keys must be texts or bytes: others can be made so that all have one
+hash, and then take the square of their number.
+"""
+
 MOST_ELEMENTS = 50
 """Elements of an array that are looked at for their fields."""
 
@@ -79,7 +84,8 @@ def _cbor() -> Callable[[bytes], Any]:
 
     def from_cbor(raw: bytes) -> Any:
         check_length(raw)
-        return cbor2.loads(raw, semantic_decoders=_NOT_TWICE)
+        strict = len(raw) > LONGEST_WITH_OTHER_KEYS
+        return cbor2.loads(raw, semantic_decoders=_TAGS, strict_hashable_types=strict)
 
     return from_cbor
 
@@ -114,8 +120,23 @@ def _refuse(*_: Any) -> Any:
     raise ValueError("a part that is named to be there twice")
 
 
-_NOT_TWICE = {28: _refuse, 29: _refuse}
-"""Tags of CBOR by which one part may be in many places, so that some bytes become any number of objects."""
+def _no_number(*_: Any) -> None:
+    """What the tag says of the value, which has been decoded, is not made."""
+
+
+def _as_it_is(value: Any, _: bool) -> Any:
+    return value
+
+
+_TAGS = {
+    55799: _as_it_is,  # "this is CBOR"; cbor2 would make what follows read-only types
+    **dict.fromkeys((28, 29), _refuse),
+    **dict.fromkeys((0, 1, 4, 5, 30, 35, 36, 37, 52, 54, 100, 258, 260, 261, 1004, 43000), _no_number),
+}
+"""Tags of CBOR by which one part may be in many places, so that some bytes become any number of objects; and those
+whose values are no numbers of ours (times, decimals, fractions, patterns, mails, sets), some of which would take the
+square of their length to be made.
+"""
 
 
 def _defined(name: str, schema: bytes) -> tuple[Mapping[str, Any], Definitions]:

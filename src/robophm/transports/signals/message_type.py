@@ -276,25 +276,29 @@ Kinds = tuple[tuple[str, tuple[str, tuple[str, ...]]], ...]
 
 
 def kinds_of(described: Sequence[list[Connection]]) -> Kinds:
-    """Return what topics there are in some files, by their lists of connections, of which files of one drive share one.
+    """Return what topics there are in some files, by their lists of connections, of which files of one drive share few.
 
     Of types of messages the first counts; where fields differ all are there.
     """
-    global _asked_last
-    last = _asked_last
-    if len(described) != 1 or last[0] is not described[0]:
-        types: dict[str, str] = {}
-        fields: dict[str, dict[str, None]] = {}
-        for one in (one for connections in described for one in connections):
-            types.setdefault(one.topic, one.msgtype)
-            fields.setdefault(one.topic, {}).update(dict.fromkeys(fields_of(one)))
-        kinds = tuple((topic, (types[topic], tuple(fields[topic]))) for topic in sorted(types))
-        last = _asked_last = described[0] if len(described) == 1 else [], kinds
-    return last[1]
+    asked = _asked_lately.get(id(described[0])) if len(described) == 1 else None
+    if asked:
+        return asked[1]
+    types: dict[str, str] = {}
+    fields: dict[str, dict[str, None]] = {}
+    for one in (one for connections in described for one in connections):
+        types.setdefault(one.topic, one.msgtype)
+        fields.setdefault(one.topic, {}).update(dict.fromkeys(fields_of(one)))
+    kinds = tuple((topic, (types[topic], tuple(fields[topic]))) for topic in sorted(types))
+    if len(described) == 1:
+        while len(_asked_lately) >= _MOST_ASKED:
+            _asked_lately.pop(next(iter(_asked_lately)), None)
+        _asked_lately[id(described[0])] = described[0], kinds
+    return kinds
 
 
-_asked_last: tuple[list[Connection], Kinds] = ([], ())
-"""The only list of connections of which it was asked last, and the answer."""
+_MOST_ASKED = 16
+_asked_lately: dict[int, tuple[list[Connection], Kinds]] = {}
+"""Lists of connections of which it was asked alone, by identity, and the answers."""
 
 
 @lru_cache(maxsize=256)
@@ -318,6 +322,20 @@ def may_name_elements(type_: MessageType) -> bool:
         return False
 
     return not type_.store or strings_in_arrays(type_.name)
+
+
+@lru_cache(maxsize=256)
+def holds_bytes(type_: MessageType) -> bool:
+    """Return whether a message has an array of bytes of any length, as images and clouds of points do."""
+    small, left, seen = {"uint8", "int8", "byte", "char"}, [type_.name], {type_.name}
+    while left:
+        for _, _, part, array in _fields(type_.definitions, left.pop()):
+            if part in small and array == 0:
+                return True
+            if part in type_.definitions and part not in seen:
+                seen.add(part)
+                left.append(part)
+    return False
 
 
 def field_getter(definitions: Typesdict, type_: str, field: str) -> Callable[[Any], Any]:

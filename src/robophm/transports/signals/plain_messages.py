@@ -102,7 +102,8 @@ class PlainMessages:
         if kind == Nodetype.BASE:
             return left.text(value) if detail[0] == "string" else _number(value)
         inner = detail[0]
-        elements: Iterable[Any] = () if value is None or isinstance(value, str | Mapping | float | int) else value
+        array = isinstance(value, Iterable) and not isinstance(value, str | bytes | Mapping)
+        elements: Iterable[Any] = value if array else ()
         if inner[0] == Nodetype.BASE and inner[1][0] != "string":
             if isinstance(elements, np.ndarray):
                 return elements

@@ -262,7 +262,7 @@ def get_cut_sets(service: Served, most: Annotated[int, Query(ge=1, le=1000)] = 2
     listed = system.cut_sets(most)
     found = [CutSet(parts=list(one.names), probability=finite(one.probability)) for one in listed.sets]
     says = f"{system.unknown.of_sets}." if system.unknown else ""
-    return CutSets(counted=counted(listed, "cut"), sets=found, left_out=left_out(listed), unknown=says)
+    return CutSets(counted=counted(listed), sets=found, left_out=left_out(listed), unknown=says)
 
 
 @router.get("/ranges", responses=REFUSED)

@@ -15,8 +15,6 @@ from robophm.core.signal import SECOND, signal_name, split_signal
 from robophm.core.units import conversion
 from robophm.core.waiting_time import LONGEST
 from robophm.design.robot import Robot
-from robophm.health.reporting import health_report
-from robophm.health.why import explain
 from robophm.transports.signals.message_units import field_unit
 from robophm.web.access.roles import needs
 from robophm.web.health import Freshness, Health, health_of
@@ -160,13 +158,12 @@ def get_health(
             alarms=alarms,
         )  # fmt: skip
     prepared = service.prepared()
-    exposure, ledger = service.past(prepared)
-    report = health_report(prepared.plant, exposure, ledger, wear=prepared.seen_wear(exposure, ledger))
+    report, why = prepared.health(*service.past(prepared))
     sensors = freshness(prepared.robot, service)
     with service.monitoring.alarm_log(prepared.robot) as log:
         alarms = log.alarms(open_only=True)
     return health_of(
-        report, report, run, why=explain(report), design_changed=changed, sensors=sensors, horizon=horizon,
+        report, report, run, why=why, design_changed=changed, sensors=sensors, horizon=horizon,
         alarms=alarms,
     )  # fmt: skip
 

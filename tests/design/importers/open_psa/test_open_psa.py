@@ -126,7 +126,7 @@ LAUGHS = "<!DOCTYPE lolz [" + '<!ENTITY a "ha">' + "".join(
         ('<!DOCTYPE x [<!ENTITY e SYSTEM "file:///etc/passwd">]><opsa-mef>&e;</opsa-mef>', "declares the entity 'e'"),
         ('<!DOCTYPE x [<!ENTITY % e SYSTEM "http://x/">%e;]><opsa-mef/>', "declares the entity 'e'"),
         ("<opsa-mef>&e;</opsa-mef>", "is no XML: undefined entity"),
-        ("<opsa-mef><define-event-tree/></opsa-mef>", "'define-event-tree' is not taken"),
+        ("<opsa-mef><define-event-tree/></opsa-mef>", "'define-event-tree' has no name"),
         (model('<define-CCF-group name="x"/>'), "common-cause group 'x' has 0 members; expected at least two"),
         (model(gate("<and/>")), "2: 'and' has no inputs; expected at least one"),
         (model(gate("")), "gate 'top' has 0 formulas; expected one"),
@@ -143,12 +143,12 @@ LAUGHS = "<!DOCTYPE lolz [" + '<!ENTITY a "ha">' + "".join(
         (model(gate("<gate/>")), "'gate' has no name"),
         (model(gate(A), gate(B)), "2: 'top' is defined twice; first in line 2"),
         (model(gate(A, "a")), "'a' is defined twice"),
-        (model(gate(A), gate(B, "other")), "2 gates are used by no other: 'top' (line 2), 'other' (line 2)"),
+        (model(gate(A), gate(B, "other")), "answers 2 questions: 'top' (line 2), 'other' (line 2)"),
         (model(), "defines no gate"),
         (model(gate('<gate name="top"/>')), "loop: top → top"),
         (model(gate('<gate name="x"/>'), gate('<and><gate name="y"/></and>', "x"), gate('<gate name="x"/>', "y")),
          "loop: x → y → x"),
-        (model(gate('<gate name="y"/>', "x"), gate('<gate name="x"/>', "y")), "loop: x → y → x"),
+        (model(gate('<gate name="y"/>', "x"), gate('<gate name="x"/>', "y")), "loop: y → x → y"),
         (model(gate('<constant value="maybe"/>')), "constant 'maybe'; expected true or false"),
         (event('<float value="1.5"/>'), "'a' has the probability 1.5; expected 0 … 1"),
         (event('<float value="nan"/>'), "float value 'nan' is not a finite number"),
@@ -160,7 +160,7 @@ LAUGHS = "<!DOCTYPE lolz [" + '<!ENTITY a "ha">' + "".join(
          "expected above zero"),
         (event('<div><float value="1"/><float value="0"/></div>'), "'div' of 1, 0 is not a number"),
         (event('<pow><float value="-1"/><float value="0.5"/></pow>'), "'pow' of -1, 0.5 is not a number"),
-        (event('<histogram/>'), "expression 'histogram' is not taken"),
+        (event('<glm/>'), "expression 'glm' is not taken"),
         (event('<parameter name="x"/>'), "parameter 'x' is not defined"),
         (event('<parameter name="x"/></define-basic-event><define-parameter name="x"><parameter name="x"/>'
                '</define-parameter><define-basic-event name="z"><float value="0"/>'), "loop: parameter x → x"),
@@ -179,7 +179,7 @@ def test_what_is_refused(read, text, says):
 
 
 def test_what_is_too_large_is_refused(read, monkeypatch, tmp_path):
-    with pytest.raises(DesignError, match=r"no gate 'tpo'; did you mean 'top'\?"):
+    with pytest.raises(DesignError, match=r"no gate or sequence 'tpo'; did you mean 'top'\?"):
         read(model(gate(A)), top="tpo")
     monkeypatch.setattr(markup, "MAX_ELEMENTS", 5)
     with pytest.raises(DesignError, match="more than 5 elements"):

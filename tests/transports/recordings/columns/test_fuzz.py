@@ -1,20 +1,22 @@
-"""Some 4,800 damaged recordings; `make fuzz` has a million, by the same mechanism."""
+"""Some 5,200 damaged recordings; `make fuzz` has a million, by the same mechanism."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from .fuzz import log_judge, logs
+from .fuzz import log_judge, logs, messages
 from .fuzz.__main__ import OUTCOMES, repeat, tallied
 from .fuzz.judge import Read, counted, read
 from .fuzz.mutate import Mutant
 from .fuzz.pool import Result
 from .fuzz.seeds import TOPICS, seeds, truth
 
-FILES, LOGS = 400, 200
+FILES, LOGS, DAMAGED_MESSAGES = 400, 200, 40
 MEMORY = 512 << 20
 
 
@@ -32,12 +34,22 @@ def test_whatever_is_damaged(format_: str, monkeypatch: pytest.MonkeyPatch) -> N
     assert tally.memory < MEMORY
 
 
-LOGS_AND_TABLES = [
-    pytest.param(
-        one, marks=pytest.mark.skipif(one == "cbor" and not find_spec("cbor2"), reason="no cbor2 (make setup)")
-    )
-    for one in logs.FORMATS
-]
+LIBRARIES = {"cbor": "cbor2", "cbor message": "cbor2", "msgpack message": "msgpack",
+             "flatbuffer message": "foxglove_schemas_flatbuffer"}  # fmt: skip
+"""By format, a library that may be missing."""
+
+
+def each(formats: Sequence[str]) -> list[Any]:
+    """The formats, skipped where their library is missing."""
+    missing = {one: library for one in formats if (library := LIBRARIES.get(one)) and not find_spec(library)}
+    return [
+        pytest.param(one, marks=pytest.mark.skipif(one in missing, reason=f"no {missing.get(one)} (make setup)"))
+        for one in formats
+    ]
+
+
+LOGS_AND_TABLES = each(logs.FORMATS)
+MESSAGES = each(messages.FORMATS)
 
 
 @pytest.mark.parametrize("format_", LOGS_AND_TABLES)
@@ -52,7 +64,19 @@ def test_whatever_is_damaged_of_logs_and_tables(format_: str, monkeypatch: pytes
     assert tally.memory < MEMORY
 
 
-@pytest.mark.parametrize("format_", LOGS_AND_TABLES)
+@pytest.mark.parametrize("format_", MESSAGES)
+def test_whatever_is_damaged_of_messages(format_: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No crash, no hang, numbers as the library of the encoding reads them; nothing lost without a word."""
+    monkeypatch.syspath_prepend(Path(__file__).parents[4])  # for the processes
+    findings: list[Result] = []
+    tally = tallied({format_: DAMAGED_MESSAGES}, seed=1, jobs=1, found=findings.append)[format_]
+    assert findings == []
+    assert sum(tally.outcomes.values()) == DAMAGED_MESSAGES
+    assert tally.outcomes["in part"] > DAMAGED_MESSAGES / 3
+    assert tally.memory < MEMORY
+
+
+@pytest.mark.parametrize("format_", [*LOGS_AND_TABLES, *MESSAGES])
 def test_the_sound_logs_and_tables_hold_what_was_written(format_: str, tmp_path: Path) -> None:
     for seed in logs.seeds(format_):
         path = tmp_path / f"sound{seed.suffix}"

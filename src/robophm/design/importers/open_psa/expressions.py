@@ -7,7 +7,9 @@ from collections.abc import Callable, Mapping
 
 from robophm.core.errors import nearest
 from robophm.core.markup import Element
+from robophm.design.importers.open_psa.deviates import DEVIATES, Levels
 from robophm.design.importers.open_psa.names import Names
+from robophm.design.importers.open_psa.periodic_tests import unavailability
 
 _DEPTH = 50  # parameters that are made of parameters
 
@@ -26,16 +28,30 @@ _FUNCTIONS: Mapping[str, tuple[int, int, Callable[..., float]]] = {
     "abs": (1, 1, abs),
     "ceil": (1, 1, math.ceil),
     "floor": (1, 1, math.floor),
+    "mod": (2, 2, math.fmod),
+    "sin": (1, 1, math.sin),
+    "cos": (1, 1, math.cos),
+    "tan": (1, 1, math.tan),
+    "asin": (1, 1, math.asin),
+    "acos": (1, 1, math.acos),
+    "atan": (1, 1, math.atan),
+    "sinh": (1, 1, math.sinh),
+    "cosh": (1, 1, math.cosh),
+    "tanh": (1, 1, math.tanh),
     "mean": (1, 1000, lambda *xs: math.fsum(xs) / len(xs)),
     "min": (1, 1000, min),
     "max": (1, 1000, max),
-    "periodic-test": (4, 4, lambda *said: _tested(*said)),
-    # of what is uncertain, the mean
-    "uniform-deviate": (2, 2, lambda low, high: (low + high) / 2),
-    "normal-deviate": (2, 2, lambda mean, deviation: mean),
-    "lognormal-deviate": (2, 3, lambda *said: said[0] if len(said) == 3 else math.exp(said[0] + said[1] ** 2 / 2)),
-    "gamma-deviate": (2, 2, lambda shape, scale: shape * scale),
-    "beta-deviate": (2, 2, lambda alpha, beta: alpha / (alpha + beta)),
+    "not": (1, 1, lambda x: float(not x)),
+    "and": (1, 1000, lambda *xs: float(all(xs))),
+    "or": (1, 1000, lambda *xs: float(any(xs))),
+    "eq": (2, 2, lambda x, y: float(x == y)),
+    "df": (2, 2, lambda x, y: float(x != y)),
+    "lt": (2, 2, lambda x, y: float(x < y)),
+    "gt": (2, 2, lambda x, y: float(x > y)),
+    "leq": (2, 2, lambda x, y: float(x <= y)),
+    "geq": (2, 2, lambda x, y: float(x >= y)),
+    "ite": (3, 3, lambda condition, x, y: x if condition else y),
+    "periodic-test": (4, 11, unavailability),
 }
 _TIMED = ("exponential", "GLM", "Weibull")
 Life = Mapping[str, float]
@@ -49,9 +65,25 @@ class Expressions:
 
     def __init__(self, parameters: Names, time: float | None) -> None:
         self.parameters, self.time = parameters, time
+        self.uncertain: set[int] = set()
+        """The uncertain expressions that were worked out; of each the mean is taken, unless draws are."""
+        self._levels: Levels | None = None
+        self._initiating = ""
+        self._states: Mapping[str, str] = {}
         self._base = ""  # where the expression stands that is worked out
         self._values: dict[str, float] = {}
         self._under_way: list[str] = []
+
+    def drawn(self, levels: Levels | None) -> None:
+        """Take the draw of these levels from now on in place of means, or means again."""
+        self._levels = levels
+        self._values.clear()
+
+    def happened(self, initiating: str, states: Mapping[str, str]) -> None:
+        """Tell what tests in expressions are about from now on: the initiating event, and the states of the functional
+        events so far."""
+        self._initiating, self._states = initiating, states
+        self._values.clear()  # a parameter may be made of a test
 
     def probability(self, event: Element, base: str = "") -> tuple[float, float]:
         """(p, 1 − p) of a basic event that is defined in ``base``.
@@ -69,6 +101,8 @@ class Expressions:
             if cumulative is not None:
                 return -math.expm1(-cumulative), math.exp(-cumulative)
         p = self.value(said)
+        if self._levels is not None:
+            p = min(max(p, 0.0), 1.0)  # a draw far out of a distribution that is not of probabilities
         if not 0 <= p <= 1:
             raise said.fault(f"'{name}' has the probability {p:g}; expected 0 … 1")
         return p, 1.0 - p
@@ -105,6 +139,10 @@ class Expressions:
             if self.time is None:
                 raise said.fault("asks for the mission time; expected the mission time, in hours")
             return self.time
+        if said.tag == "test-initiating-event":
+            return float(said.attributes.get("name") == self._initiating)
+        if said.tag == "test-functional-event":
+            return float(self._states.get(said.attributes.get("name", "")) == said.attributes.get("state", ""))
         if said.tag in _TIMED:
             cumulative = self._cumulative_hazard(said)
             return (
@@ -112,11 +150,21 @@ class Expressions:
                 if cumulative is None
                 else -math.expm1(-cumulative)
             )
+        if said.tag in DEVIATES:
+            return self._deviate(said)
         if said.tag not in _FUNCTIONS:
-            known = (*_FUNCTIONS, *_TIMED, "float", "int", "bool", "parameter", "system-mission-time")
+            known = (*_FUNCTIONS, *DEVIATES, *_TIMED, "float", "int", "bool", "parameter", "system-mission-time")
             raise said.fault(f"expression '{said.tag}' is not taken{nearest(said.tag, known)}")
         fewest, most, function = _FUNCTIONS[said.tag]
         return self._guarded(said, function, self._arguments(said, fewest, most))
+
+    def _deviate(self, said: Element) -> float:
+        kind = DEVIATES[said.tag]
+        arguments = self._arguments(said, kind.fewest, kind.most)
+        self.uncertain.add(id(said))
+        if self._levels is None:
+            return self._guarded(said, kind.mean, arguments)
+        return self._guarded(said, kind.quantile, [self._levels.of(said), *arguments])
 
     def _number(self, said: Element) -> float:
         text = said.attributes.get("value", "")
@@ -154,7 +202,7 @@ class Expressions:
         return self._values[name]
 
     def _arguments(self, said: Element, fewest: int, most: int) -> list[float]:
-        inside = list(said.inside())
+        inside = [inner for one in said.inside() for inner in (one.inside() if one.tag == "bin" else (one,))]
         if not fewest <= len(inside) <= most:
             expected = str(fewest) if fewest == most else f"at least {fewest}"
             raise said.fault(f"'{said.tag}' has {len(inside)} arguments; expected {expected}")
@@ -184,14 +232,6 @@ class Expressions:
         if not math.isfinite(value):
             raise said.fault(f"'{said.tag}' of {', '.join(f'{x:g}' for x in arguments)} is not a number")
         return value
-
-
-def _tested(rate: float, every: float, first: float, time: float) -> float:
-    """The probability of what fails at a rate and is as new after each test, the first at a time, then every so often
-    (MEF 2.0d, section 4.3.2); at the moment of a test, that right before it.
-    """
-    since = time if time <= first else (time - first) % every or every
-    return -math.expm1(-rate * since)
 
 
 def _glm(gamma: float, rate: float, repair: float, time: float) -> float:

@@ -73,7 +73,7 @@ class Formulas:
         if said.tag == "not":
             return self._not(inputs[0])
         if said.tag == "imply":
-            return self.at_least(1, [self._not(inputs[0]), inputs[1]])
+            return self.implied(*inputs)
         odd = self._odd(inputs)
         return odd if said.tag == "xor" else self._not(odd)
 
@@ -92,6 +92,10 @@ class Formulas:
         if k <= 0 or k > len(left):
             return k <= 0
         return self._gate(ALL if k == len(left) else k, left)
+
+    def implied(self, hypothesis: int | bool, target: int | bool) -> int | bool:
+        """Return the number of the gate that is false only where the first is true and the second is not."""
+        return self.at_least(1, [self._not(hypothesis), target])
 
     def _not(self, value: int | bool) -> int | bool:
         return not value if isinstance(value, bool) else self._gate(NOT, [value])

@@ -30,6 +30,7 @@ from robophm.transports.recordings.columns.bag_records import (
     chunk_info,
     connections_of,
     fields_of_header,
+    fields_often,
     record_at,
 )
 from robophm.transports.recordings.columns.chunk import Chunk, distinct
@@ -224,7 +225,7 @@ class BagFile(ChunkedFile):
 
     def _record(self, position: int) -> Record:
         self.need([(position, position + LONGEST_HEAD)])
-        return record_at(self.content, position, self.size)
+        return record_at(self.content, position, self.size, fields_of=fields_often)
 
     def _indices(self, position: int) -> Iterator[Record]:
         """The index records that follow a chunk."""

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 import struct
+from collections.abc import Callable
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -63,8 +64,17 @@ class Record(NamedTuple):
         return int(seconds) * SECOND + int(nanoseconds)
 
 
-def record_at(content: Bytes, position: int, size: int, longest: int = LONGEST_HEADER) -> Record:
-    """The record at this place of a content of this size, with a header of this length at most; raises DamageError."""
+def record_at(
+    content: Bytes,
+    position: int,
+    size: int,
+    longest: int = LONGEST_HEADER,
+    fields_of: Callable[[bytes], dict[bytes, bytes]] | None = None,
+) -> Record:
+    """The record at this place of a content of this size, with a header of this length at most; raises DamageError.
+
+    ``fields_of`` takes the fields of its header, where others than ``fields_of_header`` does.
+    """
     view, last = content.data, len(content) - 4
     behind = position + 4 + (_LENGTH(view, position)[0] if position <= last else 0)
     if behind > last or behind - position > longest:
@@ -72,7 +82,7 @@ def record_at(content: Bytes, position: int, size: int, longest: int = LONGEST_H
     end = behind + 4 + _LENGTH(view, behind)[0]
     if end > size:
         raise DamageError(f"a record beyond the end at byte {position}")
-    fields = fields_of_header(bytes(view[position + 4 : behind]))
+    fields = (fields_of or fields_of_header)(bytes(view[position + 4 : behind]))
     operation = fields.get(b"op", b"")
     if len(operation) != 1:
         raise DamageError(f"a record without operation at byte {position}")
@@ -122,6 +132,17 @@ def fields_of_header(header: bytes) -> dict[bytes, bytes]:
         name, _, value = header[begin:position].partition(b"=")
         fields[name] = value
     return fields
+
+
+def fields_often(header: bytes) -> dict[bytes, bytes]:
+    """The fields of a header of which many files have the same, as those of an index; raises DamageError."""
+    return _fields_lately(header) if len(header) <= _SHORT_HEADER else fields_of_header(header)
+
+
+_SHORT_HEADER = 64
+"""Bytes of an index's header, and some more."""
+
+_fields_lately = lru_cache(maxsize=1024)(fields_of_header)
 
 
 @lru_cache(maxsize=64)

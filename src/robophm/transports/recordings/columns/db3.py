@@ -154,7 +154,11 @@ class Db3File(MappedFile, RowsFile):
             return super().extents()
         rows = self._found[0]
         told: dict[int, TopicExtent] = {}
-        tell_all(told, {topic: rows.times[rows.topics == topic] for topic in np.unique(rows.topics).tolist()})
+        order = np.argsort(rows.topics, kind="stable")
+        topics, times = rows.topics[order], rows.times[order]
+        begins = np.flatnonzero(np.diff(topics, prepend=topics[:1] - 1)).tolist()
+        parts = zip(begins, [*begins[1:], len(topics)], strict=False)
+        tell_all(told, {int(topics[begin]): times[begin:end] for begin, end in parts})
         return told
 
     def pieces(self, wanted: Collection[int], start: int, end: int, timed: Collection[int] = ()) -> Iterator[Piece]:

@@ -12,11 +12,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from . import logs
+from . import logs, messages
 from .mutate import mutant
 from .pool import Result, examine, run
 
-FORMATS = ("bag", "db3", "wal", "mcap", *logs.FORMATS)
+FORMATS = ("bag", "db3", "wal", "mcap", *logs.FORMATS, *messages.FORMATS)
 OUTCOMES = ("whole", "in part", "changed", "refused", "fault")
 FOUND = Path("fuzz-findings")
 
@@ -65,7 +65,8 @@ def table(tallies: dict[str, Tally]) -> str:
         slowest, number = tally.slowest
         total = sum(tally.outcomes.values())
         memory = f"{tally.memory / 2**20:.0f} MiB"
-        lines.append(f"| .{format_} | {total:,} | {counts} | {slowest:.2f} s (number {number}) | {memory} |")
+        label = format_ if " " in format_ else f".{format_}"
+        lines.append(f"| {label} | {total:,} | {counts} | {slowest:.2f} s (number {number}) | {memory} |")
     for format_, tally in tallies.items():
         lines += [f".{format_}: {what}: {count:,}" for what, count in sorted(tally.peers.items())]
     return "\n".join(lines)

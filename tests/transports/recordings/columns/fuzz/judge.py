@@ -20,7 +20,7 @@ from robophm.transports.recordings.columns import read_columns
 from robophm.transports.recordings.opening import open_source
 from robophm.transports.recordings.recording import Recording
 
-from . import log_judge
+from . import log_judge, message_judge
 from .mutate import Mutant
 from .seeds import FIELDS, MEMORY, TOPICS, Rows, numbers, truth, typestore
 
@@ -81,6 +81,8 @@ def judge(mutant: Mutant, path: Path) -> tuple[Verdict, Read | SourceError]:
     with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always")
         try:
+            if mutant.told:
+                return Verdict(*message_judge.verdict(mutant.told, path)), SourceError("")
             if mutant.log:
                 return Verdict(*log_judge.verdict(mutant, path)), SourceError("")
             ours = read(path, mutant.topics)
@@ -134,7 +136,9 @@ def counted(rows: Rows, topics: Iterable[str]) -> Counter[tuple[str, int, str]]:
 
 def peers_of(mutant: Mutant, slow: bool) -> Peers:
     """The peers that a file is given to, the slow ones among them or not."""
-    return () if mutant.log else (*ALWAYS.get(mutant.suffix, ()), *(PEERS[mutant.suffix] if slow else ()))
+    return (
+        () if mutant.log or mutant.told else (*ALWAYS.get(mutant.suffix, ()), *(PEERS[mutant.suffix] if slow else ()))
+    )
 
 
 def compare(ours: Read | SourceError, mutant: Mutant, path: Path, peers: Peers) -> Iterator[tuple[str, str]]:

@@ -8,12 +8,13 @@ import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from . import messages
 from .seeds import SECOND, STEPS, T0, Seed
 
 Samples = dict[str, list[tuple[int, float]]]
 """By signal: time [ns] and value of each sample."""
 
-FORMATS = ("bin", "tlog", "ulg", "csv", "parquet", "json", "cbor", "protobuf")
+FORMATS = ("bin", "tlog", "ulg", "csv", "parquet", "json", "cbor", "protobuf", "old bag")
 
 COUNT, VALUES, ALL = "count", "values", "all"
 """What of a file one change cannot take away or alter unsaid: samples; values, by checksums; times too."""
@@ -40,8 +41,8 @@ class LogSeed(Seed):
 def seeds(format_: str) -> Iterator[LogSeed]:
     """The sound files of a format."""
     made = {"bin": _bin, "tlog": _tlog, "ulg": _ulg, "csv": _csv, "parquet": _parquet, "json": _json,
-            "cbor": _cbor, "protobuf": _protobuf}  # fmt: skip
-    yield from made[format_]()
+            "cbor": _cbor, "protobuf": _protobuf, "old bag": _old_bag}  # fmt: skip
+    yield from made[format_]() if format_ in made else _messages(format_)
 
 
 def _rows(*signals: str, step: int = SECOND, first: int = T0) -> tuple[tuple[str, tuple[tuple[int, float], ...]], ...]:
@@ -197,3 +198,40 @@ def _protobuf() -> Iterator[LogSeed]:
             writer.write_message("/a", Vector3(x=x, y=y, z=1.0), time, time)
             writer.write_message("/b", Vector3(x=1.0, y=1.0, z=z), time, time)
     yield LogSeed("zstd", file.getvalue(), ".mcap", samples=samples, guard=ALL)
+
+
+def _messages(format_: str) -> Iterator[LogSeed]:
+    """The sound file whose messages are damaged one by one."""
+    one = messages.encoding(format_)
+    read = one.reader(one.schema)
+    assert read
+    rows = [read(raw) for raw in one.sound]
+    samples = tuple(
+        (f"/a.{field}", tuple((T0 + step * SECOND, row[at]) for step, row in enumerate(rows)))
+        for at, field in enumerate(one.fields)
+    )
+    yield LogSeed("", messages.mcap(messages.Told(one, one.schema, one.sound, True)), ".mcap", samples=samples)
+
+
+def _old_bag() -> Iterator[LogSeed]:
+    """A bag of version 1.2, with an index and as its recorder was ended without one."""
+    from ....written.old_bag import Message, bag
+
+    samples = _rows("/a.data", "/b.data")
+    sound = [
+        Message(signal.removesuffix(".data"), "std_msgs/Float64", time, struct.pack("<d", value))
+        for both in zip(*(own for _, own in samples), strict=True)
+        for (signal, _), (time, value) in zip(samples, both, strict=True)
+    ]
+    for indexed in (True, False):
+        content = bag(sound, indexed)
+        spans, at = [], 13
+        while at < len(content):
+            head = struct.unpack_from("<I", content, at)[0]
+            end = at + 8 + head + struct.unpack_from("<I", content, at + 4 + head)[0]
+            spans.append((at, end))
+            at = end
+        heads = [(at, at + 4) for at, _ in spans]
+        words = tuple((at + skip, at + skip + 4) for at, end in spans for skip in range(4, min(end - at, 160) - 4, 7))
+        yield LogSeed("indexed" if indexed else "", content, ".bag", samples=samples, records=tuple(spans),
+                      numbers=(*heads, *words))  # fmt: skip

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from . import logs
+from . import logs, messages
 from . import seeds as written
 from .logs import LogSeed
 from .seeds import TOPICS, Seed, definition, seeds
@@ -36,6 +36,8 @@ class Mutant:
     """The database, where the content is that of its log."""
     log: LogSeed | None = None
     """The sound file, where that holds samples or messages that are not of ROS."""
+    told: messages.Told | None = None
+    """The messages, where those themselves are damaged."""
 
     def write(self, path: Path) -> None:
         """Write it, and what belongs to it, in the place of what was there."""
@@ -48,12 +50,17 @@ class Mutant:
 
 @cache
 def stock(format_: str) -> list[tuple[Seed, Shape]]:
-    return [(seed, shape_of(seed)) for seed in (logs.seeds if format_ in logs.FORMATS else seeds)(format_)]
+    """The sound files of a format, and where in them numbers and records lie."""
+    made = logs.seeds if format_ in (*logs.FORMATS, *messages.FORMATS) else seeds
+    return [(seed, shape_of(seed)) for seed in made(format_)]
 
 
 def mutant(format_: str, number: int, seed: int) -> Mutant:
     """The damaged file of this number."""
     chance = random.Random(f"{format_} {seed} {number}")
+    if format_ in messages.FORMATS:
+        how, told = messages.damaged(format_, chance)
+        return Mutant(how, messages.mcap(told), ".mcap", 2, None, (), told=told)
     topics = chance.choice([tuple(TOPICS), *((topic,) for topic in TOPICS)])
     if chance.random() < 0.02 and format_ in ("bag", "db3", "mcap"):
         return _defined(format_, chance, topics)
