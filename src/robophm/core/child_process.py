@@ -1,4 +1,4 @@
-"""What holds in a process that another one has begun to share its work."""
+"""Processes that another one has begun to share its work."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ class Replayed(NamedTuple):
 
     robot: str
     health: Mapping[str, Any] | None
-    """Its health report as JSON."""
+    """The health report as JSON; None where there is none."""
     error: str
 
 

@@ -15,7 +15,7 @@ from robophm.cli.shared.progress import counted
 from robophm.core.errors import RobophmError
 from robophm.fleet.recorded import Replayed, recorded_robots, replayed
 from robophm.monitoring.replay import MOST_JOBS
-from robophm.report.words import duration_text, probability_text
+from robophm.report.words import duration_text, rate_text
 
 
 def command(
@@ -40,7 +40,7 @@ def command(
     if as_json:
         print_json({"robots": [one._asdict() for one in found]})
     else:
-        columns = ("robot", "state", "failed by now", "remaining life (median)")
+        columns = ("robot", "state", "λ sensor", "RUL median")
         print_table(console(), table("", columns, [_row(one) for one in found]))
     failed = [one for one in found if one.error]
     for one in failed:
@@ -53,6 +53,6 @@ def _row(one: Replayed) -> list[str]:
     if one.health is None:
         return [one.robot, "–", "–", "–"]
     seen = one.health["subjects"][0]["sensor_based"]
-    left = seen["remaining_life"]["median"]
-    return [one.robot, one.health["state"], probability_text(seen["unreliability"]),
+    rate, left = seen["hazard_rate"], seen["remaining_life"]["median"]
+    return [one.robot, one.health["state"], "–" if rate is None else rate_text(float(rate), "1/h"),
             "–" if left is None else duration_text(float(left))]  # fmt: skip
