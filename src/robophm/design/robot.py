@@ -57,6 +57,8 @@ class Channel:
     """The part of the offset that converts no unit: how much higher the part's input is than its sensor reads."""
     stress: str = ""
     """The name under which it is bound: the input's own, or that of the stress it follows from."""
+    rise: float | None = None
+    """Where the sensor tells how warm it is around the part: how much warmer the input is [K]; None for all else."""
 
 
 @dataclass(frozen=True)
