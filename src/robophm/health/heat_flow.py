@@ -28,7 +28,7 @@ SURFACES = frozenset(("case", "housing", "frame", "surface", "shell", "heat", "s
 
 
 class Contradiction(NamedTuple):
-    """What a channel says that cannot be true together with something else."""
+    """A temperature of a channel that cannot be true together with something else."""
 
     key: str
     """The key of the channel."""

@@ -17,7 +17,7 @@ class MeasuredInput(NamedTuple):
     name: str
     unit: str
     rise: float | None
-    """Where its sensor tells how warm it is around the part: how much warmer the input is [K]; None for all else."""
+    """Kelvin by which it is warmer than its sensor, which tells how warm it is around the part; None for all else."""
 
     @property
     def own(self) -> bool:
