@@ -58,7 +58,7 @@ class Channel:
     stress: str = ""
     """The name under which it is bound: the input's own, or that of the stress it follows from."""
     rise: float | None = None
-    """Kelvin by which the input is warmer than the sensor, which tells how warm it is around the part; None for all else."""
+    """Kelvin by which the input is warmer than the sensor, where that is in the air around the part; else None."""
 
 
 @dataclass(frozen=True)
