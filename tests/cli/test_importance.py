@@ -67,6 +67,14 @@ def test_a_bound_is_said_to_be_one_and_nothing_beside_it_says_otherwise(inside, 
     assert "what is not said to be at least or at most is as if it never fails, and may be more or less" in text
 
 
+def test_what_is_a_bit_below_certain_is_not_called_certain(inside, tmp_path):
+    parts = "motor: {rate: 1 /h}, lamp: {rate: 1e-5 /h}"
+    (tmp_path / "robot.yaml").write_text(f"schema_version: 1\nname: Two\ncomponents: {{{parts}}}\n")
+    text = inside("importance", "robot.yaml", "--within", "12 h").stdout
+    assert f"with {100 * -math.expm1(-12 * (1 + 1e-5)):.4f} %" in text  # 99.9994 %
+    assert "100 %" not in text
+
+
 def test_ranked_and_cut(inside, robot):
     text = inside("importance", robot, "--by", "raw", "--most", "2").stdout
     assert "2 more are not listed" in text

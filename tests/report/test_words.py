@@ -6,7 +6,15 @@ import pytest
 from tests.cases import each_case
 
 from robophm.core.errors import UnitError
-from robophm.report.words import duration_text, failure_text, number_text, percent_texts, probability_text, rate_text
+from robophm.report.words import (
+    duration_text,
+    failure_text,
+    number_text,
+    percent_texts,
+    probability_text,
+    rate_text,
+    share_text,
+)
 
 INF, NAN = math.inf, math.nan
 
@@ -63,6 +71,22 @@ def test_probability(p: float, failure: float | None, text: str) -> None:
 )
 def test_failure(failure: float, text: str) -> None:
     assert failure_text(failure) == text
+
+
+@each_case(
+    ("share", "text"),
+    [
+        (0.1234, "12.3 %"),
+        (1.0, "100 %"),
+        (0.0, "0 %"),
+        (NAN, "–"),
+        (0.99999, "99.999 %"),
+        (0.9996, "99.96 %"),
+        (1 - 1e-6, "99.9999 %"),
+    ],
+)
+def test_share(share: float, text: str) -> None:
+    assert share_text(share) == text
 
 
 def test_less_than_certain_never_reads_as_certain() -> None:

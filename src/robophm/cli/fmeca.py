@@ -19,7 +19,7 @@ from robophm.design.robot import Robot
 from robophm.health.effects import Effect, check_severities
 from robophm.interface.faults import fmeca
 from robophm.report.fmeca_page import effect_text, fmeca_csv, fmeca_page, unknown_words
-from robophm.report.words import more_text, number_text
+from robophm.report.words import more_text, number_text, share_text
 
 
 def command(
@@ -77,7 +77,7 @@ def _print_effects(robot: Robot, found: Sequence[Effect], hours: float, to: Path
     out = console()
     columns = ["failure mode", "end effect", "within", "seen", "S", "O", "D", "RPN", "criticality"]
     rows = [
-        [one.mode, effect_text(one)[1], number_text(one.probability, 3), f"{number_text(100 * one.detected, 3)} %",
+        [one.mode, effect_text(one)[1], number_text(one.probability, 3), share_text(one.detected),
          str(one.severity), str(one.occurrence), str(one.detection), str(one.rpn), number_text(one.criticality, 3)]
         for one in found[:40]
     ]  # fmt: skip

@@ -19,7 +19,7 @@ from robophm.design.file import load
 from robophm.design.robot import Robot
 from robophm.monitoring.stored_past import stored_history
 from robophm.report.history_page import history_page, series_text
-from robophm.report.words import duration_text, moment_text, more_text, number_text, past_moment_text
+from robophm.report.words import duration_text, failure_text, moment_text, more_text, number_text, past_moment_text
 from robophm.stores.events import Event
 from robophm.stores.figures import STATES, FigureSeries
 from robophm.stores.store import MOST_POINTS, POINTS, Store
@@ -76,7 +76,8 @@ def _print(robot: Robot, series: FigureSeries, events: Sequence[Event]) -> None:
     rows = []
     for name, title in TITLES.items():
         for view, words in (("nominal", "nominal"), ("sensor_based", "sensor-based")):
-            if course := course_of(*series.of(f"{name}.{view}")):
+            says = failure_text if title.startswith("1 −") else number_text
+            if course := course_of(*series.of(f"{name}.{view}"), says):
                 rows.append([title, words, *course])
     if rows:
         columns = ("figure", "view", *COURSE)

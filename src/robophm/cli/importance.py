@@ -31,7 +31,7 @@ from robophm.health.report import VIEWS
 from robophm.health.what_matters import what_matters
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.seen_wear import seen_wear
-from robophm.report.words import duration_text, more_text, number_text, percent_text, probability_text
+from robophm.report.words import duration_text, more_text, number_text, percent_text, probability_text, share_text
 
 MEASURES = {
     "birnbaum": "birnbaum",
@@ -143,7 +143,7 @@ def _show(title: str, found: Importances, question: Question, nominal: Importanc
         out.print(f"{title}: has failed; no part matters more than another", markup=False, soft_wrap=True)
         return
     ahead = f"within {number_text(found.hours)} h of operation " if found.lifelong else ""
-    left_out, fails = found.unknown, f"{number_text(100 * found.failure)} %"
+    left_out, fails = found.unknown, percent_text(found.failure)
     says = left_out.said(left_out.failing, fails) if left_out else fails
     out.print(f"{title}: fails {ahead}with {says}", markup=False, soft_wrap=True)
     if left_out:
@@ -153,10 +153,10 @@ def _show(title: str, found: Importances, question: Question, nominal: Importanc
     designed = {one.unit: one for one in nominal.units} if nominal else {}
     rows = []
     for one in found.ranked(question.by)[: question.most]:
-        row = [one.unit, number_text(one.birnbaum), _share(one.criticality), _share(one.fussell_vesely)]
+        row = [one.unit, number_text(one.birnbaum), share_text(one.criticality), share_text(one.fussell_vesely)]
         row += [number_text(one.achievement), number_text(one.reduction), number_text(one.improvement)]
-        row += [_share(one.barlow_proschan)] if found.lifelong else []
-        rows.append(row + ([_share(designed[one.unit].criticality)] if nominal else []))
+        row += [share_text(one.barlow_proschan)] if found.lifelong else []
+        rows.append(row + ([share_text(designed[one.unit].criticality)] if nominal else []))
     print_table(out, table("", columns, rows, figures=range(1, len(columns))))
     if len(rows) < len(found.units):
         more = more_text(len(found.units) - len(rows), "listed")
@@ -166,10 +166,6 @@ def _show(title: str, found: Importances, question: Question, nominal: Importanc
         out.print(f"causes: share of all failures to come that its own failure brings about (Barlow–Proschan){ever}")
     if found.refused:
         out.print(f"No F–V: {with_options(found.refused)}", style="yellow", markup=False)
-
-
-def _share(value: float) -> str:
-    return "–" if math.isnan(value) else f"{number_text(100 * value, 3)} %"
 
 
 def _show_gains(found: Replacements, question: Question) -> None:

@@ -33,7 +33,7 @@ from robophm.learning.maintenance.upkeep import LifeCycles, PartPlan, UpkeepPlan
 from robophm.monitoring.condition_upkeep import ByCondition, by_condition
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.upkeep_ahead import UpkeepAhead, upkeep_of
-from robophm.report.words import duration_text, number_text
+from robophm.report.words import duration_text, number_text, percent_text, share_text
 
 MOST_FIRST = 20
 """Parts that are listed as what to replace first."""
@@ -206,7 +206,7 @@ def _print_parts(out: Console, found: _Answers) -> None:
         if one.redundant:
             out.print(
                 f"{one.path} is redundant: while it is down the robot stands still with "
-                f"{number_text(100 * one.stops, 2)} %", markup=False, soft_wrap=True,
+                f"{share_text(one.stops, 2)}", markup=False, soft_wrap=True,
             )  # fmt: skip
 
 
@@ -215,7 +215,7 @@ def _print_inspected(out: Console, found: _Answers) -> None:
         [name, number_text(one.level, 4), duration_text(one.policy.interval / one.pace),
          *(number_text(1000 * rate * one.pace, 3)
            for rate in (one.policy.cost_rate, one.policy.by_age, one.policy.never)),
-         f"{number_text(100 * one.policy.fails, 2)} %",
+         share_text(one.policy.fails, 2),
          f"{number_text(100 * one.policy.saving, 2)} %" if one.policy.saving > 0 else "–"]
         for name, one in found.inspected.items()
     ]  # fmt: skip
@@ -283,7 +283,7 @@ def _print_cycles(out: Console, cycles: LifeCycles, title: str, left_out: PartsO
         pays = "pays" if watched.ratio > 0 else "does not pay"
         out.print(
             f"Watching costs {number_text(watched.investment, 3)} and {pays}: return on it "
-            f"{number_text(100 * watched.ratio, 3)} %, with {number_text(100 * watched.chance, 3)} % it saves "
+            f"{number_text(100 * watched.ratio, 3)} %, with {share_text(watched.chance)} it saves "
             "anything",
             markup=False, soft_wrap=True,
         )  # fmt: skip
@@ -294,7 +294,7 @@ def _cycle_row(one: LifeCycle, left_out: PartsOfUnknownRate | None) -> list[str]
     least, most = ("≥ ", "≤ ") if left_out else ("", "")
     return [
         f"{least}{number_text(one.cost)} ± {number_text(one.error, 2)}",
-        f"{least}{number_text(one.low)} … {number_text(one.high)}", f"{most}{100 * one.availability:.4g} %",
+        f"{least}{number_text(one.low)} … {number_text(one.high)}", f"{most}{percent_text(one.availability)}",
         least + number_text(one.failures, 3), least + number_text(one.replacements, 3),
     ]  # fmt: skip
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from robophm.report.markup import Html, element, text_width
 from robophm.report.svg import svg, text
-from robophm.report.words import number_text
+from robophm.report.words import share_text
 
 _SIZE = 11.0
 _BAR, _GAP, _LONGEST = 9.0, 7.0, 420.0
@@ -47,11 +47,11 @@ def bars_svg(rows: Mapping[str, Sequence[float]], names: Sequence[str], *, title
             width = share / most * _LONGEST
             content.append(element("rect", class_=f"c{i}", x=left, y=y + i * _BAR, width=width, height=_BAR - 1))
         known = [share for share in shares if share == share]
-        words = f"{number_text(100 * known[-1], 3)} %" if known else "–"
+        words = share_text(known[-1]) if known else "–"
         longest = max(known, default=0.0) / most * _LONGEST
         content.append(text(left + longest + 6, y + height / 2 + 4, words))
         y += height + _GAP
-    shown = ([f"{name} {number_text(100 * share, 3)} %" for name, share in zip(names, shares, strict=True)]
+    shown = ([f"{name} {share_text(share)}" for name, share in zip(names, shares, strict=True)]
              for shares in rows.values())  # fmt: skip
     said = "; ".join(f"{label} {', '.join(each)}" for label, each in zip(labels, shown, strict=True))
     view = (0.0, 0.0, left + _LONGEST + 70, y)

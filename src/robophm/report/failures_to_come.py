@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 
 from robophm.health.failures_to_come import Contribution, FailuresToCome
@@ -10,7 +9,7 @@ from robophm.health.report import ComponentHealth
 from robophm.report.bars import bars_svg
 from robophm.report.markup import Html
 from robophm.report.page import figure, table_html
-from robophm.report.words import duration_text, more_text, number_text, percent_text
+from robophm.report.words import duration_text, more_text, percent_text, share_text
 
 MOST = 10
 """Parts that a page shows."""
@@ -24,11 +23,6 @@ VIEWS = ("nominal", "sensor-based")
 def horizon_text(found: FailuresToCome) -> str:
     """The horizon in words: "within 2.1 years, the median remaining life"."""
     return f"within {duration_text(found.horizon)}" + ("" if found.stated else ", the median remaining life")
-
-
-def share_text(share: float) -> str:
-    """A share in percent; "–" where there is none."""
-    return "–" if math.isnan(share) else f"{number_text(100 * share, 3)} %"
 
 
 def shown(found: FailuresToCome, most: int) -> list[Contribution]:

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from robophm.health.effects import Effect
 from robophm.report.markup import Html
 from robophm.report.page import page, section, table_html
-from robophm.report.words import number_text
+from robophm.report.words import number_text, share_text
 
 COLUMNS = (
     "function", "failure mode", "local effect", "end effect", "rate", "occurs", "α", "β", "detected by", "severity",
@@ -34,7 +34,7 @@ def fmeca_rows(found: Sequence[Effect], coverage: Mapping[str, Mapping[str, floa
     """The rows of the table as texts, in the order of COLUMNS."""
     rows: list[tuple[str, ...]] = []
     for one in found:
-        sees = ", ".join(f"{name} {number_text(100 * p, 3)} %" for name, p in coverage.get(one.mode, {}).items())
+        sees = ", ".join(f"{name} {share_text(p)}" for name, p in coverage.get(one.mode, {}).items())
         rows.append((
             ", ".join(one.functions) or "the robot", one.mode, *effect_text(one),
             "unknown" if one.unknown else f"{number_text(one.rate)} /{one.unit}",

@@ -15,7 +15,7 @@ from robophm.health.replacement import Replacements, replacements
 from robophm.report.bars import bars_svg
 from robophm.report.markup import Html
 from robophm.report.page import figure, table_html
-from robophm.report.words import duration_text, more_text, number_text, odds_text
+from robophm.report.words import duration_text, more_text, number_text, odds_text, share_text
 
 MOST = 20
 """Parts that are shown."""
@@ -107,7 +107,7 @@ def _as_it_is(found: Replacements, rest: int) -> str:
 
 
 def _percent(share: float) -> str | None:
-    return None if math.isnan(share) else f"{number_text(100 * share, 3)} %"
+    return None if math.isnan(share) else share_text(share)
 
 
 def _signed(value: float | None, says: Callable[[float], str]) -> str | None:

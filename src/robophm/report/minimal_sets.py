@@ -14,7 +14,7 @@ from robophm.health.fault_tree import fault_tree
 from robophm.health.report import HealthReport
 from robophm.report.markup import Html
 from robophm.report.page import table_html
-from robophm.report.words import count_text, more_text, number_text
+from robophm.report.words import count_text, more_text, share_text
 
 STEPS = 100_000
 """Steps that a page may take for each module of a robot's diagram and its minimal cut sets: a second or two."""
@@ -70,7 +70,7 @@ def what_it_takes_to_fail(robot: Robot, report: HealthReport) -> Iterator[Html |
         return
     yield f"In all {counted(listed)} parts."
     rows = [
-        (", ".join(one.names), len(one.names), one.probability, f"{number_text(100 * listed.share(one), 3)} %")
+        (", ".join(one.names), len(one.names), one.probability, share_text(listed.share(one)))
         for one in listed.sets
         if listed.whole > 0
     ]

@@ -8,8 +8,7 @@ from collections.abc import Iterator
 from robophm.health.report import HealthReport
 from robophm.health.unknown_rates import marked, marks
 from robophm.health.why import DecidingPart, Explanation, ObservedStress
-from robophm.report.failures_to_come import share_text
-from robophm.report.words import duration_text, number_text, percent_text
+from robophm.report.words import duration_text, number_text, percent_text, share_text
 
 NOTABLE = 0.1
 """How far from 1 a pace must be to be told in the first sentence."""

@@ -80,6 +80,12 @@ def _percent(failure: float, more: int) -> str:
     return percent.rstrip("0").rstrip(".")
 
 
+def share_text(share: float, digits: int = 3) -> str:
+    """A share in percent to so many digits, "0.123 %"; as ``percent_text`` where one below 1 would read as all."""
+    short = "–" if math.isnan(share) else f"{number_text(100 * share, digits)} %"
+    return percent_text(share) if short == "100 %" and share < 1 else short
+
+
 def odds_text(failure: float) -> str:
     """The odds of failing: "fails 1 in 4,700"; "" where a percentage says more, above a tenth and at zero."""
     if not 0 < failure <= 0.1:

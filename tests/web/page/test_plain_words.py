@@ -62,3 +62,14 @@ def test_rounding_is_no_advice(courier):
     report = courier.client.get("/api/report").text
     assert "Nothing gains by being replaced" in report
     assert not re.search(r"[+−-]\s?\d(\.\d+)?e-1\d", report)
+
+
+def test_a_share_that_is_a_bit_below_one_is_not_called_all(tmp_path, visit):
+    design = tmp_path / "two.yaml"
+    design.write_text("schema_version: 1\nname: two\ncomponents: {motor: {rate: 8 FPMH}, lamp: {rate: 8e-5 FPMH}}\n")
+    with serving(design) as two:
+        page = visit(two).open("analysis")
+        page.get_by_role("tab", name="What matters most").click()
+        row = page.get_by_role("region", name="Importances").get_by_role("row", name="motor")
+        row.wait_for()
+        assert row.get_by_role("cell").all_text_contents()[-1] == "99.999 %"

@@ -55,6 +55,12 @@ export function percentText(p: Value, failure?: Value, beside?: Value): string {
   return `${text(q, more)} %`;
 }
 
+/** A share in percent to three digits; one below 1 as ``percentText``, where three digits were all. */
+export function shareText(share: Value): string {
+  const short = share == null ? "–" : `${numberText(100 * share, 3)} %`;
+  return short === "100 %" && share! < 1 ? percentText(share) : short;
+}
+
 /** "1 in 4,700"; "" where a percentage says more. */
 export function oddsText(failure: Value): string {
   if (failure == null || !(failure > 0 && failure <= 0.1)) return "";

@@ -5,7 +5,7 @@ import { horizon, useHealth } from "../lib/health";
 import { useDesign, useShared, useUnit } from "../lib/store";
 import { isEmpty } from "../lib/tree";
 import { type Card, trendRows, type Trends, useTrends } from "../lib/trends";
-import { chanceWords, durationText, marked, momentText, moreText, numberText, oddsText, percentText, rateText, secondsText, type Unknown, unitText } from "../lib/words";
+import { chanceWords, durationText, marked, momentText, moreText, numberText, oddsText, percentText, rateText, secondsText, shareText, type Unknown, unitText } from "../lib/words";
 import { Bars } from "../parts/Bars";
 import { Select } from "../parts/Field";
 import { ICONS, State } from "../parts/Icon";
@@ -177,7 +177,7 @@ function ToCome({ found, left }: { found: Health["to_come"]; left: Unknown }): R
             bars={found.parts.map((one) => ({
               name: `${one.path}${one.quantity > 1 ? ` ×${one.quantity}` : ""}`,
               values: [one.nominal, one.sensor_based],
-              words: one.sensor_based == null ? "–" : `${numberText(100 * one.sensor_based, 3)} %`,
+              words: shareText(one.sensor_based),
               href: one.group ? undefined : `#/design/${encodeURI(one.path)}`,
             }))}
           />

@@ -2,7 +2,7 @@ import { type ReactNode, useEffect, useState } from "react";
 import { get, post, type Shapes } from "../lib/api";
 import { pulse } from "../lib/live";
 import { say, sayError, useDesign, useShared } from "../lib/store";
-import { chanceWords, durationText, marked, momentText, numberText, oddsText, percentText, type Unknown } from "../lib/words";
+import { chanceWords, durationText, marked, momentText, numberText, oddsText, percentText, shareText, type Unknown } from "../lib/words";
 import { FileButton, Text } from "../parts/Field";
 import { ICONS } from "../parts/Icon";
 import { Table } from "../parts/Table";
@@ -207,7 +207,7 @@ function Answered({ answer }: { answer: Shapes["Answer"] }): ReactNode {
       ))}
       <p className="small quiet">
         Decided by (share of the failures that would vanish):{" "}
-        {answer.deciding.slice(0, 5).map((one) => `${one.path} ${one.share == null ? "–" : `${numberText(100 * one.share, 3)} %`}`).join(", ")}
+        {answer.deciding.slice(0, 5).map((one) => `${one.path} ${shareText(one.share)}`).join(", ")}
       </p>
     </div>
   );

@@ -14,7 +14,7 @@ from robophm.core.json_values import plain
 from robophm.core.signal import HOUR
 from robophm.fleet.questions import history
 from robophm.fleet.store import FleetStore
-from robophm.report.words import count_text, duration_text, moment_text
+from robophm.report.words import count_text, duration_text, failure_text, moment_text, number_text
 from robophm.stores.outbox import COLUMNS
 from robophm.stores.store import MOST_POINTS, POINTS
 
@@ -66,6 +66,7 @@ def command(
     rows = []
     for name, title in TITLES.items():
         at = COLUMNS.index(name)
-        if course := course_of(*(values[:, at] for values in (series.low, series.mean, series.high))):
+        says = failure_text if title.startswith(("1 −", "P(")) else number_text
+        if course := course_of(series.low[:, at], series.mean[:, at], series.high[:, at], says):
             rows.append([title, *course])
     print_table(out, table("", ("figure", *COURSE), rows, figures=range(2, 5)))

@@ -20,7 +20,7 @@ from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.unknown_rates import PartsOfUnknownRate
 from robophm.report.minimal_sets import counted, left_out
-from robophm.report.words import number_text
+from robophm.report.words import number_text, share_text
 
 if TYPE_CHECKING:
     from robophm.groups.monte_carlo import Estimate
@@ -176,7 +176,7 @@ def print_sets(listed: ListedSets, kind: str) -> None:
     out = console()
     out.print(counted(listed, kind), markup=False)
     rows = [
-        (str(len(one.names)), _chance_text(one.probability), _share_text(listed.share(one)), ", ".join(one.names))
+        (str(len(one.names)), _chance_text(one.probability), share_text(listed.share(one)), ", ".join(one.names))
         for one in listed.sets
     ]
     print_table(out, table("", ("parts", "probability", "share", kind), rows, figures=(0, 1, 2)))
@@ -186,7 +186,3 @@ def print_sets(listed: ListedSets, kind: str) -> None:
 
 def _chance_text(p: float) -> str:
     return "–" if math.isnan(p) else f"{p:.4g}"
-
-
-def _share_text(share: float) -> str:
-    return "–" if math.isnan(share) else f"{100 * share:.3g} %"

@@ -15,7 +15,7 @@ from robophm.health.report import ComponentHealth, HealthReport
 from robophm.health.uncertainty import Interval
 from robophm.health.unknown_rates import PartsOfUnknownRate, marked, marks, named
 from robophm.health.worn import SeenWear
-from robophm.report.failures_to_come import FEW, horizon_text, notes, share_text
+from robophm.report.failures_to_come import FEW, horizon_text, notes
 from robophm.report.failures_to_come import shown as largest
 from robophm.report.wear import wear_lines
 from robophm.report.words import (
@@ -26,6 +26,7 @@ from robophm.report.words import (
     percent_texts,
     probability_text,
     rate_text,
+    share_text,
 )
 
 COURSE = "λ sensor, recent"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,12 +26,12 @@ def span_of(start: str | None, end: str | None) -> tuple[int | None, int | None]
     return first, last
 
 
-def course_of(low: Array, mean: Array, high: Array) -> list[str] | None:
+def course_of(low: Array, mean: Array, high: Array, says: Callable[[float], str] = number_text) -> list[str] | None:
     """Return a figure's course as a line of text, its lowest, highest and last value; None where it has none.
 
-    NaN is where it is not known; shape (times,) each.
+    NaN is where it is not known; shape (times,) each. ``says``: how a value reads.
     """
     known = mean[~np.isnan(mean)]
     if not len(known):
         return None
-    return [sparkline(mean, 30), *map(number_text, (np.nanmin(low), np.nanmax(high), known[-1]))]
+    return [sparkline(mean, 30), *map(says, (np.nanmin(low), np.nanmax(high), known[-1]))]

@@ -21,7 +21,7 @@ from robophm.learning.wear.trend_bend import FALSE_ALARMS
 from robophm.learning.wear.worn_mode import WornMode
 from robophm.monitoring.worn_life import Life, WornLife
 from robophm.report.curve import sparkline
-from robophm.report.words import duration_text, moment_text, more_text, number_text, percent_text
+from robophm.report.words import duration_text, moment_text, more_text, number_text, percent_text, share_text
 
 TELLING = 0.005
 """Weight of a model below which it is not listed."""
@@ -69,7 +69,7 @@ def print_worn(out: Console, found: WornMode) -> None:
             f"than {percent_text(UNFOLLOWED)}; its life is not to be believed", "bold red")  # fmt: skip
     elif wear.weights and wear.said:
         most = [one for one in sorted(wear.weights.items(), key=lambda one: -one[1]) if one[1] >= TELLING][:3]
-        say(f"By {', '.join(f'{name} {number_text(100 * share, 2)} %' for name, share in most)}")
+        say(f"By {', '.join(f'{name} {share_text(share, 2)}' for name, share in most)}")
     say(*_change_text(found))
 
 
@@ -100,7 +100,7 @@ def _life_text(found: WornMode, threshold: str) -> str:
     goal = "fails" if found.index else f"reaches {threshold}"
     reaches = f"{goal} in {median} {unit}, 90 % between {low} and {high}"
     if math.isinf(wear.remaining.high):
-        share = f"{number_text(100 * wear.never, 2)} % of what is drawn"
+        share = f"{share_text(wear.never, 2)} of what is drawn"
         reaches = f"{goal} in {median} {unit}; 5 % by {low}, and in {share} it does not come there"
     if not wear.shows:
         by = "by how long those went on that looked as sound" if found.index else "by the lives of the others"

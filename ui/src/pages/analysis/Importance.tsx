@@ -1,7 +1,7 @@
 import { type ReactNode, useEffect, useState } from "react";
 import { get, type Shapes } from "../../lib/api";
 import { useDesign } from "../../lib/store";
-import { marked, moreText, numberText } from "../../lib/words";
+import { marked, moreText, numberText, percentText, shareText } from "../../lib/words";
 import { Bars } from "../../parts/Bars";
 import { LevelSelect } from "../parts/LevelSelect";
 
@@ -18,7 +18,6 @@ export function Importance(): ReactNode {
       })
       .catch((error: Error) => setWrong(error.message));
   }, [path, design?.state]);
-  const percent = (share: number | null): string => (share == null ? "–" : `${numberText(100 * share, 3)} %`);
   let sum = 0;
   return (
     <>
@@ -37,14 +36,14 @@ export function Importance(): ReactNode {
               names={["criticality"]}
               bars={found.parts.slice(0, 15).map((one) => {
                 sum += one.barlow_proschan ?? 0;
-                return { name: one.part, values: [one.criticality], words: `${percent(one.criticality)}; with those above it causes ${percent(sum)}` };
+                return { name: one.part, values: [one.criticality], words: `${shareText(one.criticality)}; with those above it causes ${shareText(sum)}` };
               })}
             />
           </section>
           <section className="card scroll" tabIndex={0} role="region" aria-label="Importances">
             <table>
               <caption>
-                It fails within that time with {marked(found.unknown, "failing", percent(found.failure))}. Causes: share of all failures to come that its own failure brings about (Barlow–Proschan).
+                It fails within that time with {marked(found.unknown, "failing", percentText(found.failure))}. Causes: share of all failures to come that its own failure brings about (Barlow–Proschan).
                 {found.more > 0 && ` ${moreText(found.more)}.`} {found.refused}
                 {found.unknown && ` ${found.unknown.sentence}.`}
               </caption>
@@ -62,12 +61,12 @@ export function Importance(): ReactNode {
                   <tr key={one.part}>
                     <th scope="row">{one.part}</th>
                     <td className="number">{numberText(one.birnbaum)}</td>
-                    <td className="number">{percent(one.criticality)}</td>
-                    <td className="number">{percent(one.fussell_vesely)}</td>
+                    <td className="number">{shareText(one.criticality)}</td>
+                    <td className="number">{shareText(one.fussell_vesely)}</td>
                     <td className="number">{numberText(one.achievement)}</td>
                     <td className="number">{numberText(one.reduction)}</td>
                     <td className="number">{numberText(one.improvement)}</td>
-                    <td className="number">{percent(one.barlow_proschan)}</td>
+                    <td className="number">{shareText(one.barlow_proschan)}</td>
                   </tr>
                 ))}
               </tbody>

@@ -1,7 +1,7 @@
 import { type ReactNode, useEffect, useState } from "react";
 import { get, post, type Shapes } from "../../lib/api";
 import { say, sayError } from "../../lib/store";
-import { durationText, numberText } from "../../lib/words";
+import { durationText, numberText, percentText } from "../../lib/words";
 import { Area, FileButton, Text } from "../../parts/Field";
 import { OnlyFor } from "../../parts/OnlyFor";
 import { Table } from "../../parts/Table";
@@ -95,7 +95,7 @@ function Years({ name, of }: { name: string; of: Shapes["YearsOfUpkeep"] }): Rea
       <th scope="row">{name}</th>
       <td className="number">{numberText(of.cost)} ± {numberText(of.error, 2)}</td>
       <td className="number">{numberText(of.low)} … {numberText(of.high)}</td>
-      <td className="number">{numberText(100 * of.availability)} %</td>
+      <td className="number">{percentText(of.availability)}</td>
       <td className="number">{numberText(of.failures, 3)}</td>
       <td className="number">{numberText(of.replacements, 3)}</td>
     </tr>

@@ -3,7 +3,7 @@ import { type ReactNode, useEffect, useState, useSyncExternalStore } from "react
 import { get, type Shapes } from "../../../lib/api";
 import { pulse } from "../../../lib/live";
 import { Shared, useDesign, useShared } from "../../../lib/store";
-import { durationText, numberText } from "../../../lib/words";
+import { durationText, numberText, shareText } from "../../../lib/words";
 import { Icon } from "../../../parts/Icon";
 
 export type Condition = Shapes["BlockCondition"];
@@ -55,7 +55,7 @@ export function useCondition(path: string): Condition | undefined {
 export const useBlocks = (): Map<string, Condition> => useShared(conditions).blocks;
 
 const classOf = (share: number): number => CLASSES.filter((from) => share >= from).length;
-const percent = (share: number): string => (share > 0 && share < 0.001 ? "< 0.1 %" : `${numberText(100 * share, 3)} %`);
+const percent = (share: number): string => (share > 0 && share < 0.001 ? "< 0.1 %" : shareText(share));
 
 export function markOf(condition: Condition | undefined, colour: Colour): string {
   if (!condition || colour === "plain") return "";
