@@ -87,8 +87,10 @@ def replayed(
         for done in as_completed(asked):
             yield done.result()
     except BrokenProcessPool:
-        raise RobophmError("a process was killed, or had no memory left; what it had kept stays, and a further replay "
-                           "goes on from there; expected fewer --jobs where memory is short") from None  # fmt: skip
+        raise RobophmError(
+            "a process was killed, or had no memory left; what it had kept stays, and a further replay goes on from "
+            "there; expected fewer processes at once where memory is short"
+        ) from None
     finally:
         pool.shutdown(cancel_futures=True)
 
