@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from robophm.health.fleet import Fleet
     from robophm.health.report import HealthReport
     from robophm.interface.bindings import bind
-    from robophm.interface.fault_trees import cutsets, fault_tree
+    from robophm.interface.fault_trees import cutsets, dynamic_tree, fault_tree
     from robophm.interface.faults import diagnose, fmeca
     from robophm.interface.field import learn
     from robophm.interface.handbook import models, rate
@@ -67,6 +67,7 @@ __all__ = [
     "calibrate",
     "cutsets",
     "diagnose",
+    "dynamic_tree",
     "fault_tree",
     "fit",
     "fit_limited",
@@ -113,7 +114,7 @@ _HOMES = {
     "health.fleet": ("Fleet",),
     "health.report": ("HealthReport",),
     "interface.bindings": ("bind",),
-    "interface.fault_trees": ("cutsets", "fault_tree"),
+    "interface.fault_trees": ("cutsets", "dynamic_tree", "fault_tree"),
     "interface.faults": ("diagnose", "fmeca"),
     "interface.field": ("learn",),
     "interface.handbook": ("models", "rate"),

@@ -256,14 +256,14 @@ def test_what_is_uncertain_is_said_and_drawn(inside, tmp_path):
 
 
 def test_bounds_have_an_estimate_beside_them(inside, tmp_path):
-    """At least 20 of 40 gates, each "or" of six of sixty events of 0.1, in a tenth of a second."""
+    """All of 30 gates, each "or" of five of sixty events of 0.1, of which one is negated, in a tenth of a second."""
     draw = random.Random(3)
-    gates = "".join(
-        "<or>" + "".join(f"<basic-event name='e{i}'/>" for i in draw.sample(range(60), 6)) + "</or>" for _ in range(40)
-    )
+    event = "<basic-event name='e{}'/>".format
+    gates = "".join(f"<or>{''.join(map(event, draw.sample(range(60), 5)))}</or>" for _ in range(30))
+    gates = gates.replace(event(0), f"<not>{event(0)}</not>")
     events = "".join(f"<define-basic-event name='e{i}'><float value='0.1'/></define-basic-event>" for i in range(60))
     (tmp_path / "m.xml").write_text(
-        f"<opsa-mef><define-fault-tree name='t'><define-gate name='g'><atleast min='20'>{gates}</atleast></define-gate>"
+        f"<opsa-mef><define-fault-tree name='t'><define-gate name='g'><and>{gates}</and></define-gate>"
         f"</define-fault-tree><model-data>{events}</model-data></opsa-mef>"
     )
     said = json.loads(inside("fault-tree", "m.xml", "--limit", 0.1, "--json").stdout)

@@ -21,7 +21,7 @@ from robophm.cli.shared.options import operating_time
 from robophm.core.errors import RobophmError
 
 ROOT = Path(__file__).parents[2]
-DEVELOPERS = {"dev", "bench", "peers"}
+DEVELOPERS = {"dev", "bench", "peers", "docs"}
 
 
 def options():

@@ -161,10 +161,119 @@ def test_a_part_is_not_colder_than_its_surroundings(inside: float, told: bool) -
     assert len(report.doubts) == 2 * told
     if told:
         around, own = report.doubts
-        assert around.about.why == "reads 10 degC more than the part inside, /inside.c"
+        assert around.about.why == "reads 10 degC more than what is inside, /inside.c"
         assert (around.about.instead, own.about.instead) == (30.0, 40.0)
         rates = {one.path: one.sensor_based_hazard_rate for one in report.components}
         hotter = rates["drive/driver"] * 2  # 10 K more, by Q10
         assert own.hazard_rate == pytest.approx(rates["drive/capacitor"] + hotter, rel=1e-12)
         colder = math.exp(-0.35 / 8.617e-5 * (1 / (30 + 273) - 1 / (40 + 273)))  # πT, column 2
         assert around.hazard_rate == pytest.approx(rates["drive/capacitor"] * colder + rates["drive/driver"], rel=1e-12)
+
+
+def told(report: HealthReport) -> dict[str, str]:
+    return {one.about.signal: one.about.why for one in report.doubts}
+
+
+def steady(**values: float) -> dict[str, Course]:
+    return {name: (lambda hours, value=value: np.full(len(hours), value)) for name, value in values.items()}
+
+
+PAIR = robot(left=motor("/left"), right=motor("/right"))
+
+
+def test_of_two_that_part_it_may_be_either() -> None:
+    """A fall of 12 K in a course of the day of 16 K, that neither's own past tells of."""
+    fallen = with_more(FINE["right"], lambda hours: np.where(hours >= 240, -12.0, 0.0))
+    left, right = lived(PAIR, 12, left=FINE["left"], right=fallen).doubts
+    since = "since 2023-11-25 00:00:00 UTC, beyond all that it said before"
+    assert re.fullmatch(rf"has been 1[123].* degC higher {since}, against /right.c", left.about.why)
+    assert re.fullmatch(rf"has been 1[123].* degC lower {since}, against /left.c", right.about.why)
+    assert (left.about.otherwise, right.about.otherwise) == ("if /right.c is right", "if /left.c is right")
+    assert right.about.instead == pytest.approx(
+        float(FINE["right"](np.arange(0, 288, EVERY / 3600))[-3:].mean()), abs=3
+    )
+    together = {
+        name: with_more(FINE[name], lambda hours: np.where(hours >= 240, 40.0, 0.0)) for name in ("left", "right")
+    }
+    assert lived(PAIR, 12, **together).doubts == ()
+
+
+@pytest.mark.parametrize(("other", "apart"), [(46.0, False), (55.0, True)])
+def test_two_sensors_of_one_air_are_not_far_apart(other: float, apart: bool) -> None:
+    signals = {"temperature": {"topic": "/other", "field": "c", "max_age": "1 h"}}
+    board = robot(one=CAPACITOR, two=CAPACITOR | {"signals": signals})
+    found = told(lived(board, 0.5, **steady(around=40.0, other=other)))
+    expected = {
+        "/around.c": "reads 15 degC less than /other.c, which is in the same surroundings",
+        "/other.c": "reads 15 degC more than /around.c, which is in the same surroundings",
+    }
+    assert found == (expected if apart else {})
+
+
+@pytest.mark.parametrize(("inside", "told_of"), [(31.0, False), (20.0, True)])
+def test_what_is_deep_inside_is_not_colder_than_the_air_of_the_robot(inside: float, told_of: bool) -> None:
+    design = {
+        "schema_version": 1, "name": "R", "max_gap": "2 h",
+        "signals": {"temperature": {"topic": "/air", "field": "c", "max_age": "1 h"}},
+        "components": {"one": CAPACITOR | {"signals": {}}, "two": CAPACITOR | {"signals": {}}},
+        "modules": {"box": {"modules": {"drive": {"components": {"driver": motor("/inside")}}}}},
+    }  # fmt: skip
+    found = told(lived(parse(json.dumps(design)), 0.5, **steady(air=33.0, inside=inside)))
+    assert found.keys() == ({"/air.c", "/inside.c"} if told_of else set())
+
+
+@pytest.mark.parametrize(("winding", "told_of"), [(48.0, False), (40.0, True)])
+def test_a_winding_is_not_colder_than_its_case(winding: float, told_of: bool) -> None:
+    """Of the other motor, which stands, nothing follows."""
+    parts = {name: motor(f"/{name}") for name in ("left_winding", "left_case", "right_winding")}
+    found = told(lived(robot(**parts), 0.5, **steady(left_winding=winding, left_case=50.0, right_winding=20.0)))
+    expected = {
+        "/left_winding.c": "reads 10 degC less than what is around it, /left_case.c",
+        "/left_case.c": "reads 10 degC more than what is inside, /left_winding.c",
+    }
+    assert found == (expected if told_of else {})
+
+
+WARM_BOARD = {
+    "schema_version": 1, "name": "R", "max_gap": "2 h", "ambient": "40 degC",
+    "signals": {"temperature": {"topic": "/air", "field": "c", "max_age": "1 h"}},
+    "components": {
+        "resistor": {"hazard": {"model": "mil_hdbk_217f.resistor", "inputs": {
+            "style": "RM", "power": "0.1 W", "rated_power": "0.25 W", "temperature": "70 degC", "environment": "GB"}}},
+        "capacitor": {"hazard": CAPACITOR["hazard"]},
+        "driver": motor("/inside"),
+    },
+}  # fmt: skip
+
+
+def test_a_rise_as_designed_is_not_the_temperature_of_the_air() -> None:
+    """The resistor is taken to be 30 K warmer than the sensor: a driver at 45 degC is colder than it, not than air."""
+    board = parse(json.dumps(WARM_BOARD))
+    assert told(lived(board, 0.5, **steady(air=40.0, inside=45.0))) == {}
+    assert told(lived(board, 0.5, **steady(air=40.0, inside=30.0))).keys() == {"/air.c", "/inside.c"}
+
+
+def test_a_doubt_is_told_once_with_all_that_its_signal_drives() -> None:
+    """217F 9.1: resistor, column 1 of πT; 10.1: capacitor, column 2; at 30 degC in the place of 40."""
+    report = lived(parse(json.dumps(WARM_BOARD)), 0.5, **steady(air=40.0, inside=30.0))
+    air, _ = report.doubts
+    rates = {one.path: one.sensor_based_hazard_rate for one in report.components}
+    kelvin = lambda energy, celsius: math.exp(-energy / 8.617e-5 * (1 / (celsius + 273) - 1 / 298))  # noqa: E731
+    resistor, capacitor = kelvin(0.08, 60) / kelvin(0.08, 70), kelvin(0.35, 30) / kelvin(0.35, 40)
+    expected = rates["resistor"] * resistor + rates["capacitor"] * capacitor + rates["driver"]
+    assert air.hazard_rate == pytest.approx(expected, rel=1e-4)  # Boltzmann's constant in full
+
+
+def test_what_one_signal_drives_in_several_ways_is_no_neighbour_of_its_own() -> None:
+    """Three rises of one sensor, and one other: of two signals it may be either."""
+    hot = lambda rise: {"rate": "1e-5 /h", "acceleration": {"model": "q10"}, "offsets": {"temperature": f"{rise} K"}}  # noqa: E731
+    design = {
+        "schema_version": 1, "name": "R", "max_gap": "2 h",
+        "signals": {"temperature": {"topic": "/left", "field": "c", "max_age": "1 h"}},
+        "components": {"a": hot(5), "b": hot(10), "c": hot(15), "right": motor("/right")},
+    }  # fmt: skip
+    jump = with_more(
+        with_more(FINE["left"], lambda hours: 30 + 0 * hours), lambda hours: np.where(hours >= 240, 12.0, 0.0)
+    )
+    found = lived(parse(json.dumps(design)), 12, left=FINE["left"], right=jump).doubts
+    assert [one.about.otherwise for one in found] == ["if /right.c is right", "if /left.c is right"]

@@ -85,7 +85,7 @@ def command(
             raise RobophmError(f"{sources[0]}: expected it alone, and --at, the time by which its top event occurs")
         dynamic(sources[0], time, limit, as_json=as_json)
         return
-    systems = systems_of(sources, function, top, time, by_chance=monte_carlo is not None)
+    systems = systems_of(sources, function, top, time, by_chance=monte_carlo is not None, drawn=draws is not None)
     if len(systems) > 1:
         refuse_unused(f"a model that answers {len(systems)} questions; --top names one", ("time", "top", "limit"))
         each(systems, limit, as_json=as_json)
@@ -287,7 +287,7 @@ def by_samples(system: System, samples: int, seed: int, *, as_json: bool) -> Non
 
 
 def systems_of(
-    sources: list[Path], function: str | None, top: str | None, time: float | None, *, by_chance: bool
+    sources: list[Path], function: str | None, top: str | None, time: float | None, *, by_chance: bool, drawn: bool
 ) -> list[System]:
     """Read a robot's design or a model; options that do not go with that, or with --monte-carlo, are refused."""
     robot = any(is_design(source) for source in sources)
@@ -296,8 +296,8 @@ def systems_of(
     path = "a robot, whose top event is of --function" if robot else "a model, whose top event is of --top"
     path += ", only estimated (--monte-carlo)" if by_chance else ""
     given = ("monte_carlo", "seed") if by_chance else ("order", "most", "to", "limit")
-    drawn = () if robot or by_chance else ("draws", "seed")
-    refuse_unused(path, ("time", "function" if robot else "top", *given, *drawn))
+    draws = () if robot or by_chance else ("draws", "seed") if drawn else ("draws",)
+    refuse_unused(path, ("time", "function" if robot else "top", *given, *draws))
     if robot:
         return [of_robot(load(sources[0]), function, 1000.0 if time is None else time)]
     return of_models(sources, time, top)

@@ -57,6 +57,8 @@ class Channel:
     """The part of the offset that converts no unit: how much higher the part's input is than its sensor reads."""
     stress: str = ""
     """The name under which it is bound: the input's own, or that of the stress it follows from."""
+    rise: float | None = None
+    """Kelvin by which the input is warmer than the sensor, where that is in the air around the part; else None."""
 
 
 @dataclass(frozen=True)

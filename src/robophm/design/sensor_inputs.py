@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Container, Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -56,7 +57,8 @@ def channels_of(model: Model, design: Mapping[str, Any], cover: SensorCover) -> 
         if name in design and by in cover.signals and (by == name or _reaches(by, entry, cover)):
             place, binding = cover.signals[by]
             rise = rise_of(design[name], cover.ambient) if _rises(by, entry, cover) else 0.0
-            found[name] = channel(place, binding, entry.unit, by, cover.offsets.get(by), rise)
+            bound = channel(place, binding, entry.unit, by, cover.offsets.get(by), rise)
+            found[name] = replace(bound, rise=_above_surroundings(bound, binding, entry, cover))
     return found
 
 
@@ -71,6 +73,16 @@ def _reaches(by: str, entry: Range, cover: SensorCover) -> bool:
     except UnitError:  # a load may be a force, a torque or a share
         return False
     return by in cover.own and binding.rated is None
+
+
+def _above_surroundings(
+    bound: Channel, binding: schema.SignalBinding, entry: Range, cover: SensorCover
+) -> float | None:
+    """How much warmer an input is than the air that its sensor measures [K]; None where it measures no air."""
+    level = bound.stress == TEMPERATURE and TEMPERATURE not in cover.own
+    if entry.unit != "degC" or not (level or entry.warmth == "ambient"):
+        return None
+    return bound.shift - (quantity(binding.offset, difference(entry.unit)) if binding.offset is not None else 0.0)
 
 
 def _rises(by: str, entry: Range, cover: SensorCover) -> bool:

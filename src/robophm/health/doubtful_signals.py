@@ -6,10 +6,9 @@ robot if the sensor were wrong.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import chain
+from itertools import chain, permutations
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,6 +19,7 @@ from robophm.design.robot import Channel
 from robophm.design.task import Task
 from robophm.health.change_of_signal import change_of
 from robophm.health.exposure import ExposureIntegrator
+from robophm.health.heat_flow import TEMPERATURE_ACCURACY, Contradiction, against_heat_flow
 from robophm.health.ledger import Ledger
 from robophm.health.measured_inputs import MeasuredInput
 from robophm.health.mission import Completion, completion
@@ -28,14 +28,11 @@ from robophm.health.worn import moment
 
 Array = npt.NDArray[np.float64]
 
-TEMPERATURE_ACCURACY = 3.0
-"""Difference of two temperature sensors that is no news [K]: each of them may be off by half of it."""
-
 ACCURACY = 0.05
 """The same of sensors of anything else, as a share of what they read."""
 
-FEWEST_NEIGHBOURS = 2
-"""Signals of other parts of the same kind that are needed to tell which one is odd: of two, it may be either."""
+MOST_OF_UNTOLD = 2
+"""Signals of parts of the same kind of which, when they part, it may be either."""
 
 FROZEN = 3
 """Stretches of the past, one after the other, in which a signal must have said the very same to be called frozen."""
@@ -62,7 +59,7 @@ class DoubtfulSignal:
     """Means of what it said over these, in the unit of the model's input; shape (stretches,)."""
 
     def outlook(self, lived: Outlook, exposure: ExposureIntegrator, ledger: Ledger) -> Outlook:
-        """Return the outlook of a robot whose signal says from now on what would fit.
+        """Return the outlook of a robot whose signal says from now on what would fit, to all that it drives.
 
         What has been counted stays counted. Stress factors to come change by their ratio at the means of the inputs.
         """
@@ -72,16 +69,20 @@ class DoubtfulSignal:
         if lived.future.name == "nominal":
             return changed
         future = replace(lived.future, effective=lived.future.effective * self._ratio(exposure, recent)[:, None])
-        return replace(changed, future=future, inputs=self._fitting(recent))
+        return replace(changed, future=future, inputs=self._fitting(exposure.channels, recent))
 
-    def _fitting(self, inputs: Mapping[str, float]) -> dict[str, float]:
+    def _fitting(self, channels: Mapping[str, Channel], inputs: Mapping[str, float]) -> dict[str, float]:
         """Return the inputs, by channel, with what would fit in the place of what the signal says."""
-        others = {key: value for key, value in inputs.items() if key != self.key}
-        return others if self.instead is None else others | {self.key: self.instead}
+        own = [key for key in inputs if channels[key].signal == self.signal]
+        others = {key: value for key, value in inputs.items() if key not in own}
+        if self.instead is None:
+            return others
+        reading = (self.instead - channels[self.key].offset) / channels[self.key].scale
+        return others | {key: channels[key].scale * reading + channels[key].offset for key in own}
 
     def _ratio(self, exposure: ExposureIntegrator, inputs: Mapping[str, float]) -> Array:
         """Return by how much that changes the stress factor of each mode; shape (modes,)."""
-        ratio: Array = exposure.factor_at(self._fitting(inputs)) / exposure.factor_at(inputs)
+        ratio: Array = exposure.factor_at(self._fitting(exposure.channels, inputs)) / exposure.factor_at(inputs)
         return ratio
 
 
@@ -129,20 +130,19 @@ def doubtful_signals(exposure: ExposureIntegrator, ledger: Ledger) -> tuple[Doub
     if exposure.channels:
         inputs = exposure.measured_inputs
         past = _Past.of(ledger, exposure.channels)
-        physics = _colder_than_around(exposure, ledger, inputs)
-        for doubt in chain(_frozen(past), physics, _odd(past, inputs), _changed(past, inputs)):
+        physics = against_heat_flow(inputs, exposure.channels, exposure.recent_inputs(ledger))
+        kinds = [*_kinds(inputs, exposure.channels)]
+        for doubt in chain(
+            _frozen(past),
+            physics,
+            _odd(past, kinds, exposure.channels),
+            _changed(past, inputs, kinds, exposure.channels),
+        ):
             signal, unit = exposure.channels[doubt.key].signal, inputs[doubt.key][0].unit
             said = ~np.isnan(past.means[doubt.key])
             means = past.means[doubt.key][said]
-            found.setdefault(doubt.key, DoubtfulSignal(signal, *doubt, unit, past.ends[said], means))
+            found.setdefault(signal, DoubtfulSignal(signal, *doubt, unit, past.ends[said], means))
     return tuple(sorted(found.values(), key=lambda one: one.signal))
-
-
-class _Doubt(NamedTuple):
-    key: str
-    why: str
-    otherwise: str
-    instead: float | None
 
 
 class _Past(NamedTuple):
@@ -171,7 +171,7 @@ class _Past(NamedTuple):
         return means[~np.isnan(means)]
 
 
-def _frozen(past: _Past) -> Iterator[_Doubt]:
+def _frozen(past: _Past) -> Iterator[Contradiction]:
     """Signals that say the very same again and again, and did not before."""
     for key, means in past.means.items():
         said = np.flatnonzero(~np.isnan(means))
@@ -181,7 +181,9 @@ def _frozen(past: _Past) -> Iterator[_Doubt]:
         if not len(runs) or (now := runs[-1]) < FROZEN or len(runs) == 1 or now <= 3 * max(runs[:-1]):
             continue
         begin = int(past.ends[said[len(values) - now - 1]])
-        yield _Doubt(key, f"has said {values[-1]:.6g} to the last digit since {moment(begin)}", "if it is dead", None)
+        yield Contradiction(
+            key, f"has said {values[-1]:.6g} to the last digit since {moment(begin)}", "if it is dead", None
+        )
 
 
 def _run_lengths(same: npt.NDArray[np.bool_]) -> list[int]:
@@ -190,52 +192,32 @@ def _run_lengths(same: npt.NDArray[np.bool_]) -> list[int]:
     return [int(run) for run in np.diff([0, *cuts.tolist(), len(same) + 1])]
 
 
-def _colder_than_around(
-    exposure: ExposureIntegrator, ledger: Ledger, inputs: Mapping[str, Sequence[MeasuredInput]]
-) -> Iterator[_Doubt]:
-    """Parts that are colder than what is around them: heat goes from a part that works to its surroundings."""
-    recent = exposure.recent_inputs(ledger)
-    around: dict[str, dict[str, None]] = {}
-    for key, own in inputs.items():
-        for one in own:
-            if one.around and key in recent:
-                around.setdefault(_module(one.part), {})[key] = None
-    for key, own in inputs.items():
-        for outer in dict.fromkeys(outer for one in own if one.own for outer in around.get(_module(one.part), ())):
-            inside, outside = recent.get(key, math.nan), recent[outer]
-            names = [exposure.channels[each].signal for each in (key, outer)]
-            if names[0] == names[1] or not inside < outside - TEMPERATURE_ACCURACY:
-                continue
-            less = f"{outside - inside:.3g} degC"
-            yield _Doubt(
-                key, f"reads {less} less than its surroundings, {names[1]}", f"if {names[1]} is right", outside
-            )
-            yield _Doubt(
-                outer, f"reads {less} more than the part inside, {names[0]}", f"if {names[0]} is right", inside
-            )
+class _Kind(NamedTuple):
+    """The signals of one input of parts of one kind."""
+
+    input: str
+    units: dict[str, str]
+    """The unit of the input by the key of a channel, one of each signal."""
 
 
-def _module(part: str) -> str:
-    return part.rpartition("/")[0]
-
-
-def _neighbours(inputs: Mapping[str, Sequence[MeasuredInput]]) -> Iterator[tuple[str, dict[str, str]]]:
-    """The inputs of parts of one kind that several channels measure: its name, and the unit by each channel's key."""
+def _kinds(inputs: Mapping[str, Sequence[MeasuredInput]], channels: Mapping[str, Channel]) -> Iterator[_Kind]:
+    """The inputs of parts of one kind that several signals measure."""
     kinds: dict[tuple[str, str], dict[str, str]] = {}
     for key, own in inputs.items():
         for one in own:
             kinds.setdefault((one.model, one.name), {})[key] = one.unit
     for (_, name), units in kinds.items():
-        if len(units) > FEWEST_NEIGHBOURS:
-            yield name, units
+        signals = {channels[key].signal: key for key in reversed(units)}
+        if len(signals) > 1:
+            yield _Kind(name, {key: units[key] for key in units if signals[channels[key].signal] == key})
 
 
-def _odd(past: _Past, inputs: Mapping[str, Sequence[MeasuredInput]]) -> Iterator[_Doubt]:
+def _odd(past: _Past, kinds: Sequence[_Kind], channels: Mapping[str, Channel]) -> Iterator[Contradiction]:
     """Signals that have left their neighbours: those of the same input of other parts of the same kind."""
-    for name, units in _neighbours(inputs):
+    for name, units in kinds:
         usual = {key: float(np.median(known)) for key in units if len(known := past.known(key))}
         left = {key: past.means[key] - own for key, own in usual.items()}
-        while len(left) > FEWEST_NEIGHBOURS:
+        while len(left) > MOST_OF_UNTOLD:
             middle, found = np.median([*left.values()], axis=0), []
             for key, values in left.items():
                 accuracy = _accuracy(units[key], past.known(key))
@@ -246,20 +228,33 @@ def _odd(past: _Past, inputs: Mapping[str, Sequence[MeasuredInput]]) -> Iterator
             _, key, change = max(found)
             kept = f"against {len(left) - 1} other signals of '{name}' of parts of its kind"
             instead = usual[key] + float(middle[~np.isnan(middle)][-1]) + change.before
-            yield _Doubt(key, f"{change.words(units[key])}, {kept}", "if the others are right", instead)
+            yield Contradiction(key, f"{change.words(units[key])}, {kept}", "if the others are right", instead)
             del left[key]
+        if len(left) == MOST_OF_UNTOLD:
+            for key, other in permutations(left):
+                apart = left[key] - left[other]
+                if change := change_of(past.ends, apart, _accuracy(units[key], past.known(key))):
+                    against = channels[other].signal
+                    instead = usual[key] + float(left[other][~np.isnan(apart)][-1]) + change.before
+                    why = f"{change.words(units[key])}, against {against}"
+                    yield Contradiction(key, why, f"if {against} is right", instead)
 
 
-def _changed(past: _Past, inputs: Mapping[str, Sequence[MeasuredInput]]) -> Iterator[_Doubt]:
+def _changed(
+    past: _Past,
+    inputs: Mapping[str, Sequence[MeasuredInput]],
+    kinds: Sequence[_Kind],
+    channels: Mapping[str, Channel],
+) -> Iterator[Contradiction]:
     """Signals that nothing can be compared with, and that differ from all that they said before, or drift."""
-    compared = {key for _, units in _neighbours(inputs) for key in units}
+    compared = {channels[key].signal for kind in kinds for key in kind.units}
     for key, values in past.means.items():
-        if key in compared:
+        if channels[key].signal in compared:
             continue
         unit = inputs[key][0].unit
         if change := change_of(past.ends, values, _accuracy(unit, past.known(key))):
             either = "its sensor has changed, or what it measures"
-            yield _Doubt(key, f"{change.words(unit)}: {either}", "if it is as before", change.before)
+            yield Contradiction(key, f"{change.words(unit)}: {either}", "if it is as before", change.before)
 
 
 def _accuracy(unit: str, values: Array) -> float:

@@ -16,21 +16,28 @@ class MeasuredInput(NamedTuple):
     model: str
     name: str
     unit: str
-    own: bool
-    """Whether it is the part's own temperature, and not that of its surroundings."""
-    around: bool
-    """Whether it is the temperature of the part's surroundings."""
+    rise: float | None
+    """Kelvin by which it is warmer than its sensor, which tells how warm it is around the part; None for all else."""
+
+    @property
+    def own(self) -> bool:
+        """Whether it is a temperature of the part itself, by a sensor at the part."""
+        return self.unit == "degC" and self.rise is None
+
+    @property
+    def level(self) -> str:
+        """Path of the module that the part lies in; empty for the robot."""
+        return self.part.rpartition("/")[0]
 
 
 def measured_inputs(robot: Robot) -> dict[str, list[MeasuredInput]]:
     """Return what each channel, by its key, measures."""
     found: dict[str, list[MeasuredInput]] = {}
     for component in robot.all_components():
-        for stress in (stress for mode in component.modes for stress in mode.measured):
-            for name, channel in stress.channels.items():
-                entry = stress.model.numbers[name]
-                warm = entry.unit == "degC"
-                around = warm and (entry.warmth == "ambient" or (entry.warmth == "own" and channel.stress != name))
-                one = MeasuredInput(component.path, stress.model.name, name, entry.unit, warm and not around, around)
-                found.setdefault(channel_key(channel), []).append(one)
+        for mode in component.modes:
+            for stress in mode.measured:
+                for name, channel in stress.channels.items():
+                    unit = stress.model.numbers[name].unit
+                    one = MeasuredInput(component.path, stress.model.name, name, unit, channel.rise)
+                    found.setdefault(channel_key(channel), []).append(one)
     return found

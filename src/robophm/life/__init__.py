@@ -21,10 +21,17 @@ def life_distributions() -> list[str]:
     return plugs(__name__)
 
 
-@lru_cache(maxsize=64)  # each part of a design asks
 def life_distribution(name: str) -> type[LifeDistribution]:
     """The class of a life distribution by its file's name: ``life_distribution("weibull")`` is Weibull.
 
     Raises PlugError, with the nearest known name, where there is none.
     """
-    return load_class(__name__, name, "life distribution", LifeDistribution)  # type: ignore[type-abstract]
+    return _loaded(name) if isinstance(name, str) else load_class(__name__, name, *_WANTED)
+
+
+@lru_cache(maxsize=64)  # each part of a design asks
+def _loaded(name: str) -> type[LifeDistribution]:
+    return load_class(__name__, name, *_WANTED)
+
+
+_WANTED: tuple[str, type[LifeDistribution]] = ("life distribution", LifeDistribution)

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import os
 import pickle
 import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from multiprocessing import get_context, parent_process
-from threading import Thread, current_thread, main_thread
+from multiprocessing import get_context
+from threading import current_thread, main_thread
 from typing import Any
 
+from robophm.core.child_process import end_with_parent
 from robophm.core.errors import RobophmError
 from robophm.core.json_values import plain
 from robophm.design.robot import Robot
@@ -162,14 +162,8 @@ _monitor: Monitor | None = None
 
 def _begin(robot: bytes) -> None:
     global _monitor
-    Thread(target=_end_with_parent, daemon=True).start()
+    end_with_parent()
     _monitor = Monitor(pickle.loads(robot))
-
-
-def _end_with_parent() -> None:
-    if parent := parent_process():
-        parent.join()
-        os._exit(1)
 
 
 def _report_of(ledger_and_wear: bytes) -> Report:

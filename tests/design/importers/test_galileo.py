@@ -6,6 +6,7 @@ import time
 import pytest
 from scipy.special import gammainc, ndtr
 
+import robophm
 from robophm.blocks.dynamic_chain import DynamicChain
 from robophm.core.errors import DesignError, StructureError
 from robophm.design.importers.galileo import load
@@ -84,6 +85,14 @@ def test_two_computers_of_which_each_has_a_shared_spare(tmp_path):
     found = load(written(tmp_path, ";".join(gates), events)).solved(1.0)
     assert found.probability == pytest.approx(0.00021997582, rel=5e-7)
     assert found.states == (8, 8)
+
+
+def test_in_python(tmp_path):
+    path = written(tmp_path, "A csp B C", {"B C": HALF})
+    found = robophm.dynamic_tree(path, 2.0)
+    assert (found.probability, found.mean_time) == (pytest.approx(1 - 2 * math.exp(-1), rel=1e-12), pytest.approx(4))
+    with pytest.raises(robophm.RobophmError, match=r"no\.dft: cannot be read"):
+        robophm.dynamic_tree(tmp_path / "no.dft", 1.0)
 
 
 def test_closed_forms(tmp_path):

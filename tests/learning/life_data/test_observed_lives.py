@@ -32,6 +32,7 @@ def read(tmp_path):
         "time [h],event\n5,failure\n6,censored\n7,died\n",
         "time [h],status\n5,1\n6,0\n7,1\n",
         "time [h],status\n5,dead\n6,alive\n7,dead\n",
+        "T [h],E,weights\n5,1,1\n6,0,1\n7,1,1\n",
         "x [h],c,n\n5,0,1\n6,1,1\n7,0,1\n",  # SurPyval
         "x [h],c\n5,F\n6,C\n7,F\n",  # reliability
         "xl [h],xr [h],c\n5,5,0\n6,6,1\n7,7,0\n",
@@ -66,6 +67,8 @@ def test_all_kinds_of_surpyval(read):
         ("time [h],since [h],censored\n5,6,yes\n", "since: 6 is not before the part was last seen"),
         ("from [h],to [h],since [h]\n5,9,6\n", "since: 6 is not before the part was last seen"),
         ("time [h],since\n5,1\n", "since: '1' is in no unit, but line 2 is in h"),
+        ("x,c,n,tl,tr\n5,0,1,0,10\n6,0,1,0,10\n", "lives.csv: column 'tr': right truncation"),
+        ("time,weights\n5,0.5\n6,1\n", "lives.csv:2: count: 0.5; expected a whole number"),
         ("time [h],mode\n5,a\n6,\n", "lives.csv:3: mode: failed, but in which way is not said"),
         ("time [h],mode,censored\n5,a,\n6,a,yes\n", "lives.csv:3: mode: 'a' of a part that still worked"),
     ],
@@ -82,6 +85,8 @@ def test_what_could_mean_either_is_refused(read, text, said):
         "x",
         "since",
         "mode",
+        "tr",
+        "weights",
     ):  # and never a stress, even if it is called one
         with pytest.raises(DataError):
             fit_life_stress(read(f"time [h],{name}\n5,1\n6,0\n7,1\n", stresses=[name]), reference={name: 1.0})

@@ -364,7 +364,7 @@ def test_elements_of_a_map_have_the_names_of_their_keys(tmp_path: Path) -> None:
 
 
 def test_a_map_whose_keys_have_one_hash_takes_no_longer_than_others() -> None:
-    """Of a message in which the library's own maps would compare each of 40,000 keys with all before it."""
+    """Of a message in which the library's own maps would compare each of 20,000 keys with all before it."""
     file = descriptor_pb2.FileDescriptorProto(name="map.proto", package="p", syntax="proto3")
     pack = file.message_type.add(name="Pack")
     entry = pack.nested_type.add(name="VEntry")
@@ -377,11 +377,14 @@ def test_a_map_whose_keys_have_one_hash_takes_no_longer_than_others() -> None:
     def taken(keys: list[int]) -> float:
         pairs = (b"\x0a\x12\x09" + struct.pack("<Q", key) + b"\x11" + struct.pack("<d", 0.5) for key in keys)
         raw = b"".join(pairs)
-        begun = time.process_time()
-        assert len(described.decode(raw).v) == len(keys)
-        return time.process_time() - begun
+        times = []
+        for _ in range(3):  # the machine may be busy with other things for one of them
+            begun = time.process_time()
+            assert len(described.decode(raw).v) == len(keys)
+            times.append(time.process_time() - begun)
+        return min(times)
 
-    count = 40_000
+    count = 20_000
     others = [key << 1 for key in range(count)]
     assert taken([key << 32 | key for key in range(count)]) < 4 * taken(others)
 

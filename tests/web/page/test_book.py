@@ -83,7 +83,7 @@ def test_a_word_is_found_by_the_keyboard_alone(page: Page, address: str) -> None
     page.goto(address)
     page.wait_for_load_state("networkidle")
     page.keyboard.press("Control+k")
-    page.get_by_role("textbox", name="Search").wait_for()
+    page.get_by_role("combobox", name="Search").wait_for()
     page.keyboard.type("weibull")
     page.get_by_text(re.compile(r"^\d+ results$")).wait_for()
 

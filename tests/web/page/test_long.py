@@ -208,4 +208,4 @@ def test_five_thousand_parts_open_within_a_second(tmp_path, visit, modules, part
         page.keyboard.type(f"{last}/part {parts // 2}")
         page.keyboard.press("Enter")
         expect(page.get_by_role("treeitem", name=f"part {parts // 2}")).to_be_in_viewport()
-        page.locator(".react-flow__node-box", has_text="part 42").first.wait_for()
+        page.locator(".react-flow__node-box, .react-flow__node-tiles").first.wait_for()  # of 5,000 parts 400 are drawn

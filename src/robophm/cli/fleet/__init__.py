@@ -14,6 +14,7 @@ COMMANDS = {
     "history": "The figures of one robot over time.",
     "assign": "Which robot takes which task, so that all are most probably completed, and why.",
     "simulate": "Let simulated robots work, really fail, and report to a running fleet; their records end now.",
+    "replay": "The health of many robots after what they recorded, several at once; begun anew, it goes on.",
     "export": "Write the reports of robots as a table, or their ledgers.",
 }
 

@@ -37,7 +37,7 @@ COLUMNS: Mapping[str, Sequence[str]] = {
     "since": ("entry", "late entry", "truncated", "tl"),
     **FATE_COLUMNS,
     "mode": ("failure mode", "failure_mode", "cause"),
-    "count": ("n", "quantity", "number"),
+    "count": ("n", "quantity", "number", "weights"),
     "item": ("unit", "serial", "id", "system"),
 }
 """Columns of a table of lives; any other column is a stress, if its name is known or the user says that it is."""
@@ -51,6 +51,8 @@ STRESS_UNITS: Mapping[str, str] = {
 }
 """The unit inside of each stress that an acceleration of a design knows."""
 
+UNKNOWN_TRUNCATION: Collection[str] = ("tr", "right truncated", "right truncation")
+"""Columns of the ages beyond which a failure would not be in the table, as SurPyval has them: no fit here knows it."""
 
 _NO_MODE = ("none", "-", "na", "censored", "0")
 
@@ -139,6 +141,11 @@ def read_life_data(path: Path, stresses: Collection[str] = ()) -> LifeData:
     unit = _unit(rows)
     names = dict.fromkeys(name for row in rows for name in row.cells if name not in COLUMNS)
     for name in names:
+        if name.casefold() in UNKNOWN_TRUNCATION:
+            raise DataError(
+                f"{path}: column '{name}': right truncation (lives that would not be in the table had they been "
+                "longer) is known to no fit here; expected all that were watched, those that still worked as censored"
+            )
         if name in stresses or name in STRESS_UNITS:
             continue
         raise DataError(
