@@ -81,7 +81,8 @@ def stepwise(robot: Robot, arrivals: Arrivals, period: float, step: int) -> tupl
         now = monitor.ledger.integrated_to or 0
         if before is None or silent or now // step > before // step:
             seen.append(kept(monitor))
-            silent = monitor.ledger.heard is not None and now - monitor.ledger.heard > monitor.robot.max_gap
+            on = monitor.ledger.last.get("/power.on", (0, (0.0,)))[1][0] > 0.5
+            silent = monitor.ledger.heard is not None and now - monitor.ledger.heard > monitor.robot.max_gap and not on
         before = now
 
     monitor = Monitor(robot, period=period, on_tick=tick)

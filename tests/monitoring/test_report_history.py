@@ -121,6 +121,18 @@ def test_no_morning_begins_with_the_last_values_of_the_day_before(tmp_path: Path
     assert min((into < 300).sum(), (into > 300).sum()) >= 12
 
 
+def test_a_robot_that_says_that_it_is_on_and_falls_silent_is_reported_on(tmp_path: Path) -> None:
+    """Ten minutes of temperatures, then half an hour of nothing, then one more."""
+    times = [*range(0, 600, 5), 2400, 2500, 2600]
+    rows = "".join(f"{T0 // SECOND + t},25,{1 if t == 0 else ''}\n" for t in times)
+    (tmp_path / "day.csv").write_text(f"time,/motor.temperature,/power.on\n{rows}")
+    store = MemoryStore()
+    robot = parse(f"{MOTOR}powered: {{topic: /power, field: on}}\n")
+    replay(robot, [tmp_path / "day.csv"], store=store, period=60, report_every=60)
+    found = store.history("motor").figures()
+    assert STATES.index("stale") in found.of("state")[1][(found.times - T0) / SECOND > 700]
+
+
 @pytest.mark.parametrize("jobs", [0, 1.5, 257, "2"])
 def test_jobs_that_are_no_number_of_processes(jobs: object) -> None:
     with pytest.raises(RobophmError, match=r"^jobs "):

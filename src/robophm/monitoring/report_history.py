@@ -69,9 +69,13 @@ class ReportProcesses:
 def unheard(monitor: Monitor) -> bool:
     """Whether none of the robot's signals was heard for so long that it is off, as in the night that a sample ends.
 
-    A report of then would be of the last values of the day before.
+    A report of then would be of the last values of the day before. One whose powered signal said last that it is on
+    is not off: it has fallen silent.
     """
     ledger = monitor.ledger
+    said = ledger.last.get(monitor.robot.powered or "")
+    if said is not None and said[1][0] > 0.5:
+        return False
     if ledger.heard is None or ledger.integrated_to is None:
         return False
     return ledger.integrated_to - ledger.heard > monitor.robot.max_gap
