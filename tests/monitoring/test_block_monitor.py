@@ -70,15 +70,19 @@ def shop(max_age: float, gap: float, stale: str, *, powered: bool) -> Robot:
 
 
 def stepwise(robot: Robot, arrivals: Arrivals, period: float, step: int) -> tuple[Monitor, list[Any]]:
-    """Sample by sample; and its ledger after the first end of a period in every step."""
+    """Sample by sample; and its ledger after the first end of a period in every step, and after those that follow
+    until the robot is heard."""
     seen: list[Any] = []
     before: int | None = None
+    silent = False
 
     def tick(monitor: Monitor) -> None:
-        nonlocal before
+        nonlocal before, silent
         now = monitor.ledger.integrated_to or 0
-        if before is None or now // step > before // step:
+        if before is None or silent or now // step > before // step:
             seen.append(kept(monitor))
+            on = monitor.ledger.last.get("/power.on", (0, (0.0,)))[1][0] > 0.5
+            silent = monitor.ledger.heard is not None and now - monitor.ledger.heard > monitor.robot.max_gap and not on
         before = now
 
     monitor = Monitor(robot, period=period, on_tick=tick)

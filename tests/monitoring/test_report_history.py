@@ -23,6 +23,7 @@ from robophm.design.robot import Robot
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay
 from robophm.monitoring.report_history import ReportProcesses
+from robophm.stores.figures import STATES
 from robophm.stores.memory import MemoryStore
 from robophm.transports.synthetic import SyntheticOta
 
@@ -85,6 +86,51 @@ def test_reports_of_several_processes_are_those_of_one(tmp_path: Path, monkeypat
     assert pasts[0] == pasts[1]
     assert len(pasts[0][1]) > 30
     assert sum(asked) >= 2  # the first two wait for a process in any case
+
+
+MOTOR = """
+schema_version: 1
+name: motor
+components:
+  motor:
+    rate: 8 FPMH
+    acceleration: {model: q10, reference_temperature: 25 degC}
+    signals: {temperature: {topic: /motor, field: temperature, unit: degC, max_age: 30 s}}
+"""
+
+
+@pytest.mark.parametrize("period", [1, 60])
+def test_no_morning_begins_with_the_last_values_of_the_day_before(tmp_path: Path, period: int) -> None:
+    """Three days of ten minutes, each at 65 °C in the end: λ is 8 FPMH · 2⁴ there, and 8 FPMH at first."""
+    days = range(3)
+    for day in days:
+        rows = [(T0 // SECOND + day * 86_400 + t, 25 if t < 300 else 65) for t in range(0, 600, 5)]
+        text = "time,/motor.temperature\n" + "".join(f"{at},{value}\n" for at, value in rows)
+        (tmp_path / f"{day}.csv").write_text(text)
+    store = MemoryStore()
+    days_of = sorted(tmp_path.glob("*.csv"))
+    replay(parse(MOTOR), days_of, store=store, period=period, report_every=60)
+    found = store.history("motor").figures()
+    rates, states = found.of("hazard_rate.sensor_based")[1], found.of("state")[1]
+    assert set(states) == {STATES.index("ok")}
+    into = (found.times - T0) / SECOND % 86_400
+    assert set(((found.times - T0) // (86_400 * SECOND)).tolist()) == {0, 1, 2}
+    assert into.max() < 600  # none is of a night
+    assert rates[into < 300] == pytest.approx(8e-6, rel=1e-6)
+    assert rates[into > 300] == pytest.approx(16 * 8e-6, rel=1e-6)
+    assert min((into < 300).sum(), (into > 300).sum()) >= 12
+
+
+def test_a_robot_that_says_that_it_is_on_and_falls_silent_is_reported_on(tmp_path: Path) -> None:
+    """Ten minutes of temperatures, then half an hour of nothing, then one more."""
+    times = [*range(0, 600, 5), 2400, 2500, 2600]
+    rows = "".join(f"{T0 // SECOND + t},25,{1 if t == 0 else ''}\n" for t in times)
+    (tmp_path / "day.csv").write_text(f"time,/motor.temperature,/power.on\n{rows}")
+    store = MemoryStore()
+    robot = parse(f"{MOTOR}powered: {{topic: /power, field: on}}\n")
+    replay(robot, [tmp_path / "day.csv"], store=store, period=60, report_every=60)
+    found = store.history("motor").figures()
+    assert STATES.index("stale") in found.of("state")[1][(found.times - T0) / SECOND > 700]
 
 
 @pytest.mark.parametrize("jobs", [0, 1.5, 257, "2"])

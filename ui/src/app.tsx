@@ -31,17 +31,19 @@ class Fence extends Component<{ children: ReactNode; of: string }, { wrong: stri
   }
 }
 
-const MONITORING: Record<string, string> = { running: "Watching", failed: "Watching failed", stopped: "Stopped", ended: "Recording over" };
+const MONITORING: Record<string, string> = { running: "Watching", failed: "Watching failed", stopped: "Stopped, not watched", ended: "Recording over" };
 
-/** What is not well stands first in the title, and colours the icon, of a tab that nobody looks at. */
+/** What is not well, and that nothing is watched any more, stands first in the title, and is the icon, of a tab that nobody looks at. */
 function useTitle(page: string, name: string | undefined): void {
   const { health } = useHealth();
+  const { monitoring } = useShared(pulse);
   const state = health?.state ?? "idle";
   useEffect(() => {
-    const alarming = state === "error" || state === "warn" || state === "stale";
-    document.title = `${alarming ? `${state.toUpperCase()} – ` : ""}${page} – ${name ?? "robophm"}`;
-    document.querySelector("link[rel=icon]")?.setAttribute("href", alarming ? `./icon-${state}.svg` : "./icon.svg");
-  }, [state, page, name]);
+    const alarming = ["error", "warn", "stale"].filter((one) => one === state);
+    const said = [...alarming, ...(monitoring === "stopped" ? ["stopped"] : [])];
+    document.title = `${said.length ? `${said.join(", ").toUpperCase()} – ` : ""}${page} – ${name ?? "robophm"}`;
+    document.querySelector("link[rel=icon]")?.setAttribute("href", said.length ? `./icon-${said[0]}.svg` : "./icon.svg");
+  }, [state, monitoring, page, name]);
 }
 
 function Top({ openPalette, openHelp }: { openPalette: () => void; openHelp: () => void }): ReactNode {

@@ -14,6 +14,7 @@ from robophm.core.signal import HOUR, NOT_FINITE, SECOND, Sample
 from robophm.health.clock_jumps import ClockJumps, why_not
 from robophm.health.window import Window
 from robophm.monitoring.monitor import WINDOW, Monitor
+from robophm.monitoring.report_history import unheard
 from robophm.transports.signals.source import SignalColumns
 
 Flags = npt.NDArray[np.bool_]
@@ -32,7 +33,7 @@ MOST_WAITING = 4_000_000
 
 class BlockMonitor:
     """Carries a monitor's ledger on, block by block. Its ``on_tick`` follows the first end of a period in every
-    ``step`` [ns].
+    ``step`` [ns], and where the robot was not heard then, those up to the first at which it is.
     """
 
     def __init__(self, monitor: Monitor, step: int = HOUR) -> None:
@@ -46,6 +47,8 @@ class BlockMonitor:
         self._count_of_new = 0
         self._waiting: dict[str, SignalColumns] = {}
         """Samples that were taken, and are not yet integrated; ascending in time."""
+        self._unheard = False
+        """Whether the robot was not heard at the last tick."""
         self._missed: dict[str, npt.NDArray[np.int64]] = {}
         """Times at which samples arrived that were not taken, by reason; not yet counted."""
         self._resume()
@@ -128,7 +131,7 @@ class BlockMonitor:
         before = begun
         for end, arrived in self._ends(before, [*{id(heard.times): heard for heard in new.values()}.values()]):
             ends.append(end)
-            if self.monitor.on_tick and end // self.step != before // self.step:
+            if self.monitor.on_tick and (self._unheard or end // self.step != before // self.step):
                 self._integrate(ends)
                 self._tick(arrived)
                 ends = []
@@ -230,6 +233,7 @@ class BlockMonitor:
             self._count(arrived)
             self._leave_open(arrived)
             self.monitor.on_tick(self.monitor)
+            self._unheard = unheard(self.monitor)
             self.ledger.pending = Window()
 
     def _count(self, arrived: int | None) -> None:

@@ -66,8 +66,25 @@ class ReportProcesses:
         self._pool.shutdown(cancel_futures=True)
 
 
+def unheard(monitor: Monitor) -> bool:
+    """Whether none of the robot's signals was heard for so long that it is off, as in the night that a sample ends.
+
+    A report of then would be of the last values of the day before. One whose powered signal said last that it is on
+    is not off: it has fallen silent.
+    """
+    ledger = monitor.ledger
+    said = ledger.last.get(monitor.robot.powered or "")
+    if said is not None and said[1][0] > 0.5:
+        return False
+    if ledger.heard is None or ledger.integrated_to is None:
+        return False
+    return ledger.integrated_to - ledger.heard > monitor.robot.max_gap
+
+
 class ReportHistory:
-    """The reports of a robot's time that are to be kept: after the first tick, and after the first in every step."""
+    """The reports of a robot's time that are to be kept: after the first tick, and after the first in every step in
+    which the robot is heard.
+    """
 
     def __init__(
         self,
@@ -98,6 +115,8 @@ class ReportHistory:
     def follow(self, monitor: Monitor) -> None:
         """Take a report where it is time to. Raises RobophmError where a process that makes some was killed."""
         now = monitor.ledger.integrated_to or 0
+        if unheard(monitor):
+            return
         if self._reported is None or now // self._step > self._reported // self._step:
             wear = self._wear(monitor.ledger)
             asked = self._processes and self._processes.report(monitor.ledger, wear)

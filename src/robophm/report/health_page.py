@@ -30,7 +30,7 @@ from robophm.report.outline import Label
 from robophm.report.page import figure, page, section, side_by_side, table_html, tile, tiles
 from robophm.report.past_curves import VIEWS, past_curves
 from robophm.report.style import Tone
-from robophm.report.wear import wear_table
+from robophm.report.wear import wear_curves, wear_table
 from robophm.report.why import reasons, sentence
 from robophm.report.words import duration_text, number_text, odds_text, percent_text, percent_texts, rate_text
 from robophm.stores.figures import FigureSeries
@@ -69,7 +69,9 @@ def _sections(
     yield section("Curves", side_by_side(*past, *_outlook_curves(robot, report)))
     yield section("Modules", _subject_table(report.subjects))
     if report.wear:
-        yield section("What is seen to wear", *wear_table(report.wear, report.outlooks["sensor_based"].plant))
+        drawn = wear_curves(robot, report.wear, ledger) if ledger else ()
+        table = wear_table(report.wear, report.outlooks["sensor_based"].plant)
+        yield section("What is seen to wear", *table, *drawn)
     yield section("What it takes to fail", *what_it_takes_to_fail(robot, report))
     yield section("Why", *reasons(found))
     yield section("What will fail it", *contributors(report.failures_to_come, report.components))

@@ -129,4 +129,4 @@ def predicted(look, page):
     page.get_by_role("button", name="Start", exact=True).click()
     page.get_by_text("all 500 are completed with").first.wait_for()
     page.get_by_role("button", name="Stop").click()
-    page.get_by_role("status").get_by_text("Stopped", exact=True).wait_for()
+    page.get_by_role("status").get_by_text("Stopped, not watched", exact=True).wait_for()

@@ -39,6 +39,11 @@ def test_what_was_stopped_is_not_called_well(courier, visit):
     assert page.locator("main .state.ok").count() > 0
     page.get_by_role("button", name="Stop").click()
     well.wait_for(state="detached")
+    page.get_by_role("banner").get_by_role("status").get_by_text("Stopped, not watched").wait_for()
+    assert page.title() == "STOPPED – Overview – courier"
+    icon = page.locator("link[rel=icon]").get_attribute("href")
+    assert icon == "./icon-stopped.svg"
+    assert courier.client.get(icon).headers["content-type"].startswith("image/svg")
     page.get_by_role("button", name="Start analysis").wait_for()
     assert page.locator(".state.ok").count() == 0
     assert courier.get("/api/health")["state"] == "idle"

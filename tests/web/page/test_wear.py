@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -56,6 +57,13 @@ def test_wear_is_drawn_with_its_band_and_threshold(tmp_path, visit):
         assert later.sum() > 5
         assert np.all((band["slow"] < line)[later] & (line < band["fast"])[later])
         assert found["times"][-1] + found["seen"]["median"] == pytest.approx(10, rel=0.1)
+        # the report draws the same figures, and so the PDF that is made of it
+        text = served.client.get("/api/report").text
+        drawn = text.split("<h2>What is seen to wear</h2>")[1].split("<h2>")[0]
+        (course,) = re.findall(r"median: (\S+) at (\S+) to (\S+) at (\S+)\.", drawn)
+        ends = [band[name][place] for place in (0, -1) for name in ("median", "times")]
+        assert [float(one) for one in course] == pytest.approx(ends, rel=1e-3)
+        assert drawn.count("readings alone foretell no course to the threshold") == 1  # the fan's
         # what is drawn is told by its legend, and taken along as a table
         assert plot.locator(".legend").inner_text().split("\n") == [
             "course, 5 %", "95 %", "median", "readings", "threshold", "reached, with 90 %",

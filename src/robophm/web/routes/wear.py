@@ -6,12 +6,9 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from robophm.core.errors import DataError, DesignError, nearest
+from robophm.core.errors import DesignError, nearest
 from robophm.core.signal import SECOND
-from robophm.learning.wear.course_to_come import course_to_come
-from robophm.learning.wear.teachers import teachers_of
-from robophm.learning.wear.worn_mode import WearOptions
-from robophm.monitoring.seen_wear import worn_of
+from robophm.monitoring.wear_over_time import wear_over_time
 from robophm.web.health import WornPart, worn_parts
 from robophm.web.routes.design import REFUSED
 from robophm.web.service import Served
@@ -53,16 +50,11 @@ def get_wear(service: Served, mode: Annotated[str, Query(max_length=5000)]) -> W
     exposure, unsettled = service.past(prepared)
     ledger = exposure.settled(unsettled)
     seen = {one.mode: one for one in prepared.seen_wear(exposure, unsettled)}
-    modes = {one.path: one for one in prepared.robot.modes if one.path in seen and one.key in ledger.wear}
-    worn = modes.get(mode)
-    if worn is None or worn.wear is None:
+    modes = {one.path for one in prepared.robot.modes if one.path in seen and one.key in ledger.wear}
+    found = wear_over_time(prepared.robot, ledger, mode) if mode in modes else None
+    if found is None:
         raise DesignError(f"no wear is seen of '{mode}'{nearest(mode, modes)}")
-    readings = ledger.wear[worn.key].readings(worn.wear)
-    try:
-        others = teachers_of(prepared.robot).get(mode, ())
-        band = course_to_come(worn_of(worn, readings, WearOptions(changes=False), others))
-    except DataError:  # as the wear itself says
-        band = None
+    readings, band = found.readings, found.band
     return WearOverTime(
         seen=worn_parts([seen[mode]], prepared.plant)[0],
         times=readings.ages.tolist(),
