@@ -2,10 +2,12 @@
 
 Reads commands, a line each: ``far GOAL METRES`` is feedback of /navigate_to_pose, ``ends GOAL STATE`` its status;
 ``battery VOLTS CURRENT CELL,CELL…`` is PX4's BatteryStatus of 1.17 as the bridge of uXRCE-DDS publishes it, best effort
-and without a hash; ``old`` publishes on the topic that has no version.
+and without a hash; ``old`` publishes on the topic that has no version; ``matched`` answers once feedback and status
+have a reader.
 """
 
 import sys
+import time
 from dataclasses import dataclass, field
 
 from cyclonedds.core import Policy, Qos
@@ -136,6 +138,10 @@ def main() -> None:
             cells = [float(each) for each in words[2].split(",")]
             cells += [0.0] * (14 - len(cells))
             battery.write(BatteryStatus(voltage_v=float(words[0]), current_a=float(words[1]), voltage_cell_v=cells))
+        elif command == "matched":
+            while not all(one.get_matched_subscriptions() for one in (feedback, status)):
+                time.sleep(0.02)
+            print("matched", flush=True)
         elif command == "old":
             old.append(writer("fmu/out/battery_status", BatteryStatus, best_effort, latched))
     del domain

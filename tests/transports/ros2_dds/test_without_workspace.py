@@ -37,6 +37,7 @@ def robot(_participant: None, domain: int) -> Iterator[Peer]:
 def test_five_goals_of_nav2_are_five_tasks_of_which_three_are_done(robot: Peer, live: LiveSource) -> None:
     published(live, f"{ACTION}/feedback", f"{ACTION}/status")
     listened = live.listen([], topics_to_hear())
+    robot.matched()  # what is said before nobody hears
     tasks = TaskTopics()
     told: list[PlannedTask | DoneTask] = []
     for number, end in enumerate((SUCCEEDED, ABORTED, SUCCEEDED, CANCELLED, SUCCEEDED), 1):
