@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from robophm.drafting.drafting import new
     from robophm.health.fleet import Fleet
     from robophm.health.report import HealthReport
+    from robophm.interface.availability import availability
     from robophm.interface.bindings import bind
     from robophm.interface.fault_trees import cutsets, dynamic_tree, fault_tree
     from robophm.interface.faults import diagnose, fmeca
@@ -63,6 +64,7 @@ __all__ = [
     "Task",
     "Unit",
     "WearOptions",
+    "availability",
     "bind",
     "calibrate",
     "cutsets",
@@ -113,6 +115,7 @@ _HOMES = {
     "drafting.drafting": ("new",),
     "health.fleet": ("Fleet",),
     "health.report": ("HealthReport",),
+    "interface.availability": ("availability",),
     "interface.bindings": ("bind",),
     "interface.fault_trees": ("cutsets", "dynamic_tree", "fault_tree"),
     "interface.faults": ("diagnose", "fmeca"),

@@ -141,6 +141,7 @@ task:
     - {distance: 250 m, speed: 0.3 m/s, functions: [drive], stresses: {temperature: 40 degC}}
     - {duration: 5 min, cycles: 3, starts: 1}
 duty: 0.5
+repair: 8 h
 thresholds:
   hazard_rate: {limit: 1000 FPMH, clear: 900 FPMH, delay: 10 s}
   reliability: 0.9

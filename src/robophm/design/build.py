@@ -217,6 +217,7 @@ class _Builder:
             name, part.quantity, required, part.monitored, modes, names, scope.duty, part.description or "",
             identity=scope.identity, identified=part.identity is not None,
             thresholds=build_thresholds((*place, "thresholds"), part.thresholds) if part.thresholds else NO_LIMITS,
+            repair=scope.repair,
         )  # fmt: skip
         accelerated = any(mode.acceleration != "none" for mode in part.failure_modes.values() or [part])
         cover = scope.cover(part) if accelerated else None

@@ -99,8 +99,9 @@ class CommonCauses:
             for mode in self.components[part].modes
         )
         says = f"{share * 100:.3g} % of the failures of {', '.join(names)}, all at once"
+        longest = max(self.components[unit.partition("[")[0]].repair for unit in units)  # until all are back
         self.causes.append(Component(path, 1, 1, False, modes, (path,), description=says, members=tuple(units),
-                                     identity=identity))  # fmt: skip
+                                     identity=identity, repair=longest))  # fmt: skip
         self._taken.add(path)
         for unit in units:
             self.of.setdefault(unit, []).append(path)

@@ -5,6 +5,7 @@ Paths name things from the robot down, joined by "/": ``Power/Battery Control Bo
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -224,6 +225,8 @@ class Component:
     identified: bool = False
     """Whether the design states its identity itself."""
     thresholds: Thresholds = NO_LIMITS
+    repair: float = math.inf
+    """Mean time [h of calendar time] until a failed one is as good as new; infinite: it stays failed."""
 
     @property
     def name(self) -> str:

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, ConfigDict, Field, WithJsonSchema, model_va
 
 from robophm.core.errors import RobophmError
 from robophm.design.schema_blocks import DependsOn, Diagram
-from robophm.design.schema_fields import LONGEST, Identity, Name, Strict, Written, quantity_in, share_in
+from robophm.design.schema_fields import LONGEST, Identity, Name, Repair, Strict, Written, quantity_in, share_in
 from robophm.design.schema_task import AnyTask
 from robophm.design.schema_thresholds import ModuleThresholds, PartThresholds, Thresholds
 from robophm.hazard.environments import ENVIRONMENTS, WORDS, environment
@@ -289,6 +289,7 @@ class Component(FailureMode):
     quality: Quality | None = None
     monitored: bool = Field(False, description="known to work until reported failed")
     duty: Duty | None = None  # type: ignore[valid-type]
+    repair: Repair | None = None
     depends_on: DependsOn | None = Field(None, description="works only while this does: a part, a block, or a list")
     signals: dict[str, SignalBinding] = Field(default_factory=dict)
     offsets: dict[str, Written] = Field(default_factory=dict, description="added to inherited signals, e.g. 15 K")
@@ -337,6 +338,7 @@ class _Group(Strict):
     acceleration: Accelerations | None = Field(None, description="of the constant-rate parts below")
     uncertainty: Uncertainty | None = Field(None, description="of the rates below")
     duty: Duty | None = None  # type: ignore[valid-type]
+    repair: Repair | None = None
     modules: dict[Name, Module] = Field(default_factory=dict)
     components: dict[Name, Component] = Field(default_factory=dict)
     diagram: Diagram | None = Field(None, description="how the blocks of this level are wired; default series")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
@@ -53,6 +53,30 @@ def share_in(description: str, example: str, *, zero: bool) -> Any:
     said = {"anyOf": kinds, "description": description, "examples": [example]}
     return Annotated[float, bounds, BeforeValidator(read), WithJsonSchema(said)]
 
+
+def _mean_repair(value: object) -> object:
+    if value == "none":
+        return value
+    try:
+        hours = quantity(value, "h")
+    except UnitError as error:
+        raise ValueError(f"{error}; expected a time, e.g. 4 h, or the word none") from None
+    if not 0 < hours <= LONGEST / 3600:
+        raise ValueError(
+            f"{value} is not a time to repair; expected one above 0, of at most 30 years, or the word none"
+        )
+    return hours
+
+
+Repair = Annotated[
+    float | Literal["none"],
+    BeforeValidator(_mean_repair),
+    WithJsonSchema({
+        "type": "string", "examples": ["4 h", "none"],
+        "description": "mean time from a failure until as good as new, waiting included, by the calendar; none: never",
+    }),
+]  # fmt: skip
+"""The mean time [h] that a repair takes, or the word none."""
 
 Name = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^[^/\[\]\x00-\x1f\x7f-\x9f\u2028\u2029]+$")]
 """The name of a module, component, mode or function: any text without / [ ] and control characters."""

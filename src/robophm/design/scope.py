@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -23,6 +24,8 @@ class Scope:
     duty: float = 1.0
     ambient: Ambient | None = None
     quality: tuple[Path, str] | None = None
+    repair: float = math.inf
+    """Mean time [h] until a part that has failed is as good as new; infinite: it stays failed."""
     identity: str = ""
     """Path under which the past of what is here is kept; "" for the robot, whose parts' paths begin below it."""
 
@@ -38,6 +41,7 @@ class Scope:
             self.duty if level.duty is None else level.duty,
             self.ambient if isinstance(level, schema.Component) else ambient_of(place, level, self.ambient),
             (place, level.quality) if level.quality else self.quality,
+            {None: self.repair, "none": math.inf}.get(level.repair, level.repair),
             identity,
         )
 
