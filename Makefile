@@ -53,10 +53,10 @@ peers:
 	@sh tools/ros-peers
 	@sh tools/browser
 
-# Checks and downloads go on beside each other.
+# Checks and downloads go on beside each other. A test that hangs is a failed one: the slowest takes half a minute.
 test: setup
 	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target lint peers
-	$(BIN)/pytest -n 3 --durations=10 --durations-min=1
+	$(BIN)/pytest -n 3 --timeout 240 --durations=10 --durations-min=1
 
 # `make test` has a twenty-fifth of the calibration, by a fixed seed, and skips the peers of the extra `peers`.
 test-full: setup
