@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from robophm.health.report import HealthReport
     from robophm.interface.availability import availability
     from robophm.interface.bindings import bind
+    from robophm.interface.demonstration import demonstrate
     from robophm.interface.fault_trees import cutsets, dynamic_tree, fault_tree
     from robophm.interface.faults import diagnose, fmeca
     from robophm.interface.field import learn
@@ -68,6 +69,7 @@ __all__ = [
     "bind",
     "calibrate",
     "cutsets",
+    "demonstrate",
     "diagnose",
     "dynamic_tree",
     "fault_tree",
@@ -117,6 +119,7 @@ _HOMES = {
     "health.report": ("HealthReport",),
     "interface.availability": ("availability",),
     "interface.bindings": ("bind",),
+    "interface.demonstration": ("demonstrate",),
     "interface.fault_trees": ("cutsets", "dynamic_tree", "fault_tree"),
     "interface.faults": ("diagnose", "fmeca"),
     "interface.field": ("learn",),

@@ -15,8 +15,8 @@ FUNCTIONS = {
     "check": "load", "show": "predict", "watch": "Monitor", "store": "open_store", "import-bom": "import_bom",
     "parts": "parts",
     **{name: name.replace("-", "_") for name in (
-        "availability", "bind", "calibrate", "cutsets", "diagnose", "fault-tree", "fit", "fmeca", "import-legacy",
-        "importance", "learn", "maintain", "models", "new", "predict", "rate", "replay", "service", "simulate", "task",
+        "availability", "bind", "calibrate", "cutsets", "demonstrate", "diagnose", "fault-tree", "fit", "fmeca",
+        "import-legacy", "importance", "learn", "maintain", "models", "new", "predict", "rate", "replay", "service", "simulate", "task",
         "wear", "why",
     )},
 }  # fmt: skip

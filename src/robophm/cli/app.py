@@ -43,6 +43,7 @@ COMMANDS = {
                   "its fault tree.",
     "why": "Why a robot's health is as it is: what decides it, and what would restore it.",
     "importance": "What matters most to a robot's health, and what to replace first.",
+    "demonstrate": "How many to test, for how long, so that few failures demonstrate a reliability.",
     "availability": "How often a robot that is repaired fails, and for which share of the time it is down.",
     "schema": "Print the JSON Schema of the design file.",
     "demo": "Watch a synthetic robot work for a day.",
@@ -75,7 +76,7 @@ GROUPS = {
     "What lies ahead, and why": ("predict", "task", "importance", "availability", "why"),
     "Structure and faults": ("cutsets", "fault-tree", "fmeca", "diagnose"),
     "Many robots": ("fleet",),
-    "Learning and upkeep": ("learn", "fit", "wear", "maintain", "calibrate"),
+    "Learning and upkeep": ("learn", "fit", "demonstrate", "wear", "maintain", "calibrate"),
     "To try it": ("demo", "simulate", "doctor"),
 }
 """The commands by what they are for."""
