@@ -16,8 +16,8 @@ FUNCTIONS = {
     "parts": "parts",
     **{name: name.replace("-", "_") for name in (
         "availability", "bind", "calibrate", "cutsets", "demonstrate", "diagnose", "fault-tree", "fit", "fmeca",
-        "import-legacy", "importance", "learn", "maintain", "models", "new", "predict", "rate", "replay", "service", "simulate", "task",
-        "wear", "why",
+        "import-legacy", "importance", "learn", "maintain", "models", "new", "predict", "rate", "replay", "service",
+        "simulate", "task", "wear", "why",
     )},
 }  # fmt: skip
 OF_THE_TERMINAL = {
