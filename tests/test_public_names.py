@@ -170,6 +170,8 @@ CALLS: dict[str, tuple[list[Any], Call]] = {
     "remaining_life(of)": (but(NAMES, ""), lambda x: HEALTH.remaining_life(of=x)),
     "predict": ([*PATHS, *THINGS[5:]], robophm.predict),
     "predict(store)": (but(THINGS, None), lambda x: robophm.predict(ROBOT, x)),
+    "allocate": ([*PATHS, *THINGS[5:]], lambda x: robophm.allocate(x, {}, budget=1)),
+    "allocate(offers)": ([{"A": 5}, {"A": (5, 0)}], lambda x: robophm.allocate(ROBOT, x, budget=1)),
     "availability": ([*PATHS, *THINGS[5:]], robophm.availability),
     "availability(function)": (but(NAMES, "", None), lambda x: robophm.availability(ROBOT, x)),
     "availability(hours)": ([*NUMBERS, 0], lambda x: robophm.availability(HEALTH, hours=x)),

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from robophm.interface.outlook import predict
     from robophm.interface.plots import plot
     from robophm.interface.predictions import calibrate, simulate
+    from robophm.interface.redundancy import allocate
     from robophm.interface.tables import frame, rows
     from robophm.interface.tasks import service, task, why
     from robophm.interface.upkeep import maintain
@@ -65,6 +66,7 @@ __all__ = [
     "Task",
     "Unit",
     "WearOptions",
+    "allocate",
     "availability",
     "bind",
     "calibrate",
@@ -130,6 +132,7 @@ _HOMES = {
     "interface.outlook": ("predict",),
     "interface.plots": ("plot",),
     "interface.predictions": ("calibrate", "simulate"),
+    "interface.redundancy": ("allocate",),
     "interface.tables": ("frame", "rows"),
     "interface.tasks": ("service", "task", "why"),
     "interface.upkeep": ("maintain",),

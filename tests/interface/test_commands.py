@@ -15,9 +15,9 @@ FUNCTIONS = {
     "check": "load", "show": "predict", "watch": "Monitor", "store": "open_store", "import-bom": "import_bom",
     "parts": "parts",
     **{name: name.replace("-", "_") for name in (
-        "availability", "bind", "calibrate", "cutsets", "demonstrate", "diagnose", "fault-tree", "fit", "fmeca",
-        "import-legacy", "importance", "learn", "maintain", "models", "new", "predict", "rate", "replay", "service",
-        "simulate", "task", "wear", "why",
+        "allocate", "availability", "bind", "calibrate", "cutsets", "demonstrate", "diagnose", "fault-tree", "fit",
+        "fmeca", "import-legacy", "importance", "learn", "maintain", "models", "new", "predict", "rate", "replay",
+        "service", "simulate", "task", "wear", "why",
     )},
 }  # fmt: skip
 OF_THE_TERMINAL = {

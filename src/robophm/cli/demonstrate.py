@@ -13,7 +13,7 @@ from robophm.cli.shared.output import console, print_json, print_table, table
 from robophm.core.errors import RobophmError, UnitError
 from robophm.core.json_values import plain
 from robophm.core.units import quantity
-from robophm.learning.demonstration import TestPlan, Wanted, demonstration, replaced_pass
+from robophm.learning.life_data.demonstration import TestPlan, Wanted, demonstration, replaced_pass
 from robophm.report.words import number_text, percent_text
 
 

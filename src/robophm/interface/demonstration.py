@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from robophm.learning.demonstration import TestPlan, Wanted, demonstration
+from robophm.learning.life_data.demonstration import TestPlan, Wanted, demonstration
 
 
 def demonstrate(

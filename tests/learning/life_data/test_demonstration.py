@@ -10,7 +10,7 @@ import pytest
 
 import robophm
 from robophm.core.errors import RobophmError
-from robophm.learning.demonstration import Wanted, replaced_pass
+from robophm.learning.life_data.demonstration import Wanted, replaced_pass
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,66 @@
+"""``robophm allocate``: which parts a robot should have more of, for a budget or for a wanted reliability."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from robophm.cli.shared.options import Design, Json, time_option
+from robophm.cli.shared.output import console, print_json, print_table, table
+from robophm.core.errors import RobophmError, UnitError
+from robophm.core.json_values import plain
+from robophm.core.units import quantity
+from robophm.design.file import load
+from robophm.health.redundancy import allocation
+from robophm.interface.redundancy import read_offers
+from robophm.report.words import number_text, percent_text
+
+
+def command(
+    design: Design,
+    offers: Annotated[
+        Path, typer.Argument(help="a table: part, cost of one more, most that may be added", metavar="OFFERS.CSV")
+    ],
+    budget: Annotated[float | None, typer.Option(help="in the unit of the costs: money, mass, power", min=0)] = None,
+    reliability: Annotated[str | None, typer.Option(help="in place of it: what is wanted, e.g. '99.9 %'")] = None,
+    at: Annotated[float, time_option("--at", "of operation, when new: until when it is to work", above=True)] = 1000.0,
+    function: Annotated[str | None, typer.Option(help="of the robot; default the whole robot")] = None,
+    limit: Annotated[float, typer.Option(help="seconds after which the best found will do", min=0.1)] = 30.0,
+    as_json: Json = False,
+) -> None:
+    """Which parts a robot should have more of, for a budget or for a wanted reliability."""
+    robot = load(design)
+    found = allocation(
+        robot, read_offers(offers), at, budget=budget, reliability=_share(reliability), function=function, limit=limit
+    )
+    if as_json:
+        print_json(plain(asdict(found)))
+        return
+    out = console()
+    name = f"{robot.name}: {function}" if function else robot.name
+    now, then = (percent_text(1 - failure, failure) for failure in (found.failure_now, found.failure))
+    out.print(f"{name}, new, works until {number_text(at)} h with {now} as it is, and with {then} with these, for "
+              f"{number_text(found.cost)}:", markup=False, soft_wrap=True)  # fmt: skip
+    if found.more:
+        print_table(out, table("", ["part", "more"], [[part, f"{n:,}"] for part, n in found.more.items()], figures=[1]))
+    else:
+        out.print("none: nothing on offer is needed, or can be had for the budget")
+    if found.best:
+        out.print("proved: no other choice is better")
+    else:
+        bound = f"costs less than {number_text(found.bound)}" if reliability else (
+            f"works with more than {percent_text(1 - found.bound, found.bound)}"
+        )  # fmt: skip
+        out.print(f"the best found within {limit:g} s; none {bound}", style="yellow", markup=False, soft_wrap=True)
+
+
+def _share(text: str | None) -> float | None:
+    if text is None:
+        return None
+    try:
+        return quantity(text, "")
+    except UnitError as error:
+        raise RobophmError(f"--reliability: {error}") from None
