@@ -55,7 +55,7 @@ class Offer:
 
 @dataclass(frozen=True)
 class Allocation:
-    """What to add to a robot."""
+    """The parts to add to a robot, and what that gains."""
 
     more: Mapping[str, int]
     """How many more of each part; those that get none are not in it."""
@@ -69,7 +69,7 @@ class Allocation:
     best: bool
     """Whether it is proved that nothing is better."""
     bound: float
-    """What no choice can be better than: a probability of failure for a budget, a cost for a wanted reliability."""
+    """A limit that no choice is below: of P(it fails) for a budget, of the cost for a wanted reliability."""
 
 
 def allocation(
@@ -310,7 +310,7 @@ def _for_budget(system: _System, budget: float, limit: float) -> tuple[list[int]
 
 
 def _for_goal(system: _System, goal: float, limit: float) -> tuple[list[int], float, bool]:
-    """The cheapest choice that fails at most so often; what none can cost less than; whether it is proved."""
+    """The cheapest choice, one that fails at most so often; what none can cost less than; whether it is proved."""
     most, until = system.most, time.monotonic() + limit
     best = _greedy(system, goal=goal)
     waiting: list[tuple[float, list[int]]] = [(0.0, [])]

@@ -21,7 +21,7 @@ def allocate(
     budget: float | None = None, reliability: float | None = None, hours: float = 1000.0, function: str | None = None,
     limit: float = 30.0,
 ) -> Allocation:  # fmt: skip
-    """What to add to a robot so that it fails least for a budget, or has a reliability for the least cost.
+    """The parts to add to a robot so that it fails least for a budget, or has a reliability for the least cost.
 
     Until ``hours`` of operation, when new. ``offers``: a table as ``robophm allocate`` reads it, or by part the cost of
     one more and the most that may be added. Exactly one of ``budget``, in the unit of the costs, and ``reliability``;
