@@ -53,7 +53,7 @@ def test_the_slowest_tests_are_told_by_the_processes_that_share_them(tmp_path: P
     slow = "@pytest.mark.parametrize('i', range(12))\ndef test_slow(i): time.sleep(1.05)\n"
     (tmp_path / "test_one.py").write_text(f"import pytest, time\n{slow}def test_quick(): ...\n")
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTEST")}
-    environment |= {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTEST_PLUGINS": "xdist.plugin"}
+    environment |= {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTEST_PLUGINS": "xdist.plugin,pytest_timeout"}
     command = [sys.executable, "-m", "pytest", *words, "test_one.py"]
     done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=True)
     told = done.stdout.partition("slowest 10 durations")[2]
