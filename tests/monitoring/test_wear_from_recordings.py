@@ -1,6 +1,7 @@
 """Wear read from recordings: readings as plain loops over the samples give them, on the part's own clock."""
 
 import math
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from rosbags.typesys import Stores, get_typestore
 from robophm.core.errors import DataError, DesignError, SourceError
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
-from robophm.monitoring.wear_from_recordings import wear_history, worn_modes
+from robophm.monitoring.wear_from_recordings import holds_readings, wear_history, worn_modes
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.recordings.recording import Recording
 
@@ -230,3 +231,15 @@ def test_signals_of_wear_are_listened_to_and_missed():
     }  # fmt: skip
     with pytest.raises((SourceError, DataError)):
         wear_history(robot, Path("nowhere.mcap"), worn_modes(robot))
+
+
+def test_of_a_line_without_end_only_the_begin_is_looked_at(tmp_path):
+    table = tmp_path / "commas.csv"
+    table.write_bytes(b"," * 20_000_000)
+    tracemalloc.start()
+    try:
+        holds_readings(table)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 30_000_000  # twenty million cells would take eight times as much

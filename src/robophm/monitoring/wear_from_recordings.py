@@ -29,6 +29,9 @@ TABLES = (".csv", ".tsv", ".yaml", ".yml")
 STEP = 600 * SECOND
 """Nanoseconds of the robot's time that are gone through at once."""
 
+_LONGEST_LINE = 1_000_000
+"""Characters of a line of a table that are looked at to tell what it is."""
+
 
 @dataclass(frozen=True)
 class WearHistory:
@@ -48,7 +51,8 @@ def holds_readings(path: Path) -> bool:
         return False
     try:
         with path.open(encoding="utf-8-sig", newline="") as text:
-            header, first = [*islice(csv.reader(text), 2), [""], [""]][:2]
+            begin = (text.readline(_LONGEST_LINE) for _ in range(2))
+            header, first = [*islice(csv.reader(begin), 2), [""], [""]][:2]
         heading_of(path, header, first)
     except (OSError, ValueError, csv.Error, SourceError):  # whoever reads it says why
         return True
