@@ -90,7 +90,7 @@ def test_what_cannot_be_learned():
     with pytest.raises(DataError, match="the unit: one reading; expected at least two"):
         index.remaining(t[:1], fleet[0].values[:1])
     old = [*t[:-1], 100 * t[-1]]
-    with pytest.raises(DataError, match="none older than .* how long it goes on cannot be said by them"):
+    with pytest.raises(DataError, match=r"none older than .* how long it goes on cannot be said by them"):
         index.remaining(old, fleet[0].values)
     with pytest.raises(DataError, match="2 signals; expected the 4"):
         index.remaining(t, fleet[0].values[:, :2])

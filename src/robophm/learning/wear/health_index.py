@@ -108,7 +108,7 @@ class HealthIndex:
     ) -> Remaining:
         """Draw the remaining life of a unit after its last reading.
 
-        Raises DataError for readings unlike those that the index was learned from, and for a unit older than these grew.
+        Raises DataError for readings unlike those that the index was learned from, and for a unit older than these.
         """
         course = _history(times, values, settings, "the unit")
         if course.values.shape[1] != self.signals:
@@ -116,8 +116,8 @@ class HealthIndex:
         age, oldest = float(course.times[-1]), float(self.ages.max())
         if age > oldest + FAR * self.near[1] * self.horizon:
             raise DataError(
-                f"it has grown {age:g} old, and of the units that failed none older than {oldest:g}: how long it goes on "
-                "cannot be said by them"
+                f"it has grown {age:g} old, and of the units that failed none older than {oldest:g}: how long it goes "
+                "on cannot be said by them"
             )
         assert course.settings is not None
         if course.settings.shape[1] != len(self.usual.cuts):
