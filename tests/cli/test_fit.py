@@ -4,6 +4,7 @@ import json
 import re
 import sys
 
+import numpy as np
 import pytest
 
 from robophm.design.file import load
@@ -190,3 +191,24 @@ def test_surpyval_is_loaded_by_nothing_else(command, run):
     code = "import robophm.cli.fit, robophm.learning.life_data.life_stress, sys; print('surpyval' in sys.modules)"
     found = subprocess.run([command[0], "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "False"
+
+
+def test_few_parts_have_no_corrected_aic_and_far_stresses_rest_on_the_law(inside, tmp_path):
+    (tmp_path / "few.csv").write_text("time [h]\n100\n200\n400\n")
+    said = inside("fit", "few.csv").stdout
+    assert "∞" not in said
+    assert "3 parts are too few to correct AIC for them: ranked without" in said
+    fits = {one["distribution"]: one for one in json.loads(inside("fit", "few.csv", "--json").stdout)["fits"]}
+    assert fits["weibull"]["aic_corrected"] is None
+    rows = "".join(f"{time * 10**k},{t}\n" for k, t in enumerate((80, 60, 40)) for time in (80, 100, 120))
+    (tmp_path / "hot.csv").write_text(f"time [h],temperature [degC]\n{rows}")
+    far, near = (
+        inside("fit", "hot.csv", "--distribution", "lognormal", "--use", f"temperature={use} degC").stdout
+        for use in (-100, 35)
+    )
+    # Ten times as long for each step of 20 degrees: Arrhenius by the three means, by least squares.
+    inverse = [1 / (8.617333e-5 * (one + 273.15)) for one in (80, 60, 40, -100)]
+    slope = np.polyfit(inverse[:3], [0, np.log(10), np.log(100)], 1)[0]
+    factor = float(re.search(r"even the nearest test aged parts (\S+) times as fast as use", far).group(1))
+    assert np.log(factor) == pytest.approx(slope * (inverse[3] - inverse[2]), rel=1e-3)
+    assert "rest on the law alone" not in near.replace("\n", " ")

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 
 import pytest
 
@@ -96,6 +97,16 @@ def test_a_robots_own_ledger(inside, design, tmp_path):
     found = json.loads(inside("learn", design, "past.db", "--json").stdout)["rates"]
     assert {one["mode"]: one["failures"] for one in found}[part] == 1
     assert all((one["factor"] - 1) * (one["failures"] - one["expected"]) >= 0 for one in found)
+    for folder in ("r1", "r2"):  # as many robots have it: each its own, of one name
+        (tmp_path / folder).mkdir()
+        shutil.copy(tmp_path / "past.db", tmp_path / folder)
+    of_two = json.loads(inside("learn", design, "r1/past.db", "r2/past.db", "--json").stdout)["rates"]
+    assert {name: own["failures"] for one in of_two if one["mode"] == part for name, own in one["robots"].items()} == {
+        "r1/past": 1, "r2/past": 1,
+    }  # fmt: skip
+    twice = inside("learn", design, "past.db", tmp_path / "past.db")
+    assert (twice.returncode, twice.stdout) == (3, "")
+    assert "past.db: is given twice, and would count twice; expected each log once" in twice.stderr
     for words, said in (((), "or has it failed?"), (("--by", "Ada", "--history"), "--by and --note are of"),
                         (("--replaced", "--repaired", 0.5), "was it replaced or repaired")):  # fmt: skip
         assert said in inside("service", design, part, "--store", "past.db", *words).stderr

@@ -66,6 +66,7 @@ def test_mistakes_are_one_line(inside, robot, tmp_path):
     for text, said in (
         ("part,preventive,corrective\nbatery,1,2\n", "no part 'batery' in the design; did you mean 'battery'"),
         ("part,preventive,corrective\nbattery,1,-2\n", "corrective: -2 is negative"),
+        ("part,preventive,corrective\nbattery,1,1e300\n", "corrective: 1e300 is too much; expected at most 1e+15"),
         ("part,preventive,corrective\nbattery,0,2\n", "costs nothing is best done all the time"),
         ("part,preventive\nbattery,1\n", "corrective: is empty; expected a number"),
         ("part,preventive,corrective,detects\nbattery,1,2,0.5\n", "detects: is of a sensor"),
@@ -80,6 +81,7 @@ def test_mistakes_are_one_line(inside, robot, tmp_path):
     for option, value, said in (
         ("--horizon", "5", "--horizon"),
         ("--setup", "inf", "--setup inf: expected a finite cost"),
+        ("--downtime-cost", "1e300", "--downtime-cost 1e+300: expected a finite cost, at most 1e+15"),
         ("--horizon", "100000 year", "lives of parts of one robot, 2,000 times over; expected a shorter horizon"),
     ):
         assert said in inside("maintain", robot, "costs.csv", option, value).stderr

@@ -241,22 +241,22 @@ def _show(
     data: LifeData, fits: Sequence[Fit], refused: Mapping[str, str], tested: Goodness | None, wishes: Wishes
 ) -> None:
     out = console()
-    unit = f" [{data.unit}]" if data.unit else ""
-    columns = ["", f"parameters{unit}", "10 % by", "half by", "mean", "AICc", "R²"]
+    unit, corrected = f" [{data.unit}]" if data.unit else "", can_be_corrected(fits)
+    columns = ["", f"parameters{unit}", "10 % by", "half by", "mean", "AICc" if corrected else "AIC", "R²"]
     rows = [
         [one.name, parameters_text(one.parameters, one.life, one.known_until),
          figure_text(one.quantiles[0.1].value, one.known_until), figure_text(one.quantiles[0.5].value, one.known_until),
-         figure_text(one.mean, one.known_until), number_text(one.aic_corrected, 5),
+         figure_text(one.mean, one.known_until), number_text(one.aic_corrected if corrected else one.aic, 5),
          number_text(one.straightness, 3)]
         for one in fits
     ]  # fmt: skip
     print_table(out, table(f"{data.source}: {data.described()}", columns, rows, figures=range(2, len(columns))))
     best, limit = fits[0], fits[0].known_until
     out.print(
-        f"In brackets: {100 * wishes.level:g} % intervals. AICc: less is better, two apart is little. R² of the "
-        "probability plot", markup=False,
+        f"In brackets: {100 * wishes.level:g} % intervals. {columns[5]}: less is better, two apart is little. R² "
+        "of the probability plot", markup=False,
     )  # fmt: skip
-    if not can_be_corrected(fits) and len(fits) > 1:
+    if not corrected and len(fits) > 1:
         out.print(
             f"{data.parts} parts are too few to correct AIC for them: ranked without", style="yellow", markup=False
         )

@@ -21,7 +21,7 @@ from robophm.learning.rates.evidence import FEWEST_TO_DIFFER, spread_text, with_
 from robophm.learning.rates.failure_log import Seen, read_failure_log
 from robophm.learning.rates.fleet import StatedRateRatio
 from robophm.learning.rates.rate_update import LearnedRate, UnstatedRate, learn, unstated
-from robophm.monitoring.rate_history import rate_history
+from robophm.monitoring.rate_history import each_once, rate_history
 from robophm.report.words import number_text
 from robophm.stores import place_of
 
@@ -49,9 +49,9 @@ def command(
     robot = load(design)
     seen: list[Seen] = []
     notes: list[str] = []
-    for log in logs:
+    for log, name in zip(logs, each_once([place_of(log) for log in logs]), strict=True):
         if log.suffix.lower() in STORES or place_of(log) != str(log):
-            seen += rate_history(robot, kept(log, robot), Path(place_of(log)).stem)
+            seen += rate_history(robot, kept(log, robot), name)
         else:
             found = read_failure_log(log, robot)
             seen += found.seen

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -26,7 +25,7 @@ from robophm.health.part_due import RISK
 from robophm.health.plant import Plant
 from robophm.health.replacement import Worth, replacements
 from robophm.health.unknown_rates import PartsOfUnknownRate, few, named, unknown_in_parts
-from robophm.learning.maintenance.costs_table import read_costs
+from robophm.learning.maintenance.costs_table import MOST, read_costs
 from robophm.learning.maintenance.life_cycle_costs import LifeCycle
 from robophm.learning.maintenance.replacement_age import Visit
 from robophm.learning.maintenance.upkeep import LifeCycles, PartPlan, UpkeepPlan
@@ -129,8 +128,8 @@ def run(design: Path, table_of_costs: Path, wishes: Wishes) -> None:
     """Plan, simulate and print the upkeep."""
     robot = load(design)
     for option, value in (("--setup", wishes.setup), ("--downtime-cost", wishes.hour_down)):
-        if not math.isfinite(value):
-            raise RobophmError(f"{option} {value:g}: expected a finite cost")
+        if not value <= MOST:
+            raise RobophmError(f"{option} {value:g}: expected a finite cost, at most {MOST:g}")
     horizon, lead = _hours(wishes.horizon, "--horizon"), _hours(wishes.lead, "--lead")
     costs = read_costs(table_of_costs, robot, wishes.hour_down)
     if all(one.part.unknown for one in costs.values()):

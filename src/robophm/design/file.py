@@ -190,7 +190,9 @@ def read(path: Path) -> str:
             raise DesignError(f"{path}: no such file{hint}")
         content = read_at_most(path, MAX_BYTES)
         if content is None:
-            raise DesignError(f"{path}: is more than {MAX_BYTES / 1e6:.0f} MB; a design or task list is at most that")
+            raise DesignError(
+                f"{path}: is more than {MAX_BYTES / 1e6:.0f} MB; expected at most that of a design or table"
+            )
         return content.decode("utf-8-sig")
     except OSError as error:
         raise DesignError(f"{path}: cannot be read: {error.strerror}") from None

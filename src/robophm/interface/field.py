@@ -15,7 +15,7 @@ from robophm.interface.asking import Paths, RobotOrPath, paths_of, robot_of
 from robophm.learning.rates.failure_log import Seen, read_failure_log
 from robophm.learning.rates.rate_update import LearnedRate, UnstatedRate, unstated
 from robophm.learning.rates.rate_update import learn as learned_rates
-from robophm.monitoring.rate_history import rate_history
+from robophm.monitoring.rate_history import each_once, rate_history
 from robophm.monitoring.stored_past import stored_past
 from robophm.parts import graded
 from robophm.stores import place_of
@@ -46,10 +46,11 @@ def learn(robot: RobotOrPath, logs: Paths, *, prior: str | None = None, of: str 
         instance(given, str | None, name, "text, or None", DataError)
     seen: list[Seen] = []
     notes: list[str] = []
-    for log in paths_of(logs, "log"):
+    given_logs = list(paths_of(logs, "log"))
+    for log, robot_name in zip(given_logs, each_once([place_of(log) for log in given_logs]), strict=True):
         if is_store(log):
             with stored_past(str(log), found) as (_, ledger):
-                seen += rate_history(found, ledger, Path(place_of(log)).stem)
+                seen += rate_history(found, ledger, robot_name)
         else:
             read = read_failure_log(log, found)
             seen += read.seen

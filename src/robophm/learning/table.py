@@ -7,7 +7,7 @@ import io
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -31,6 +31,8 @@ class Row:
     """Texts of the cells by column; an empty cell is not there."""
     units: Mapping[str, str]
     """Units that the headings of columns state."""
+    headings: Mapping[str, str] = field(default_factory=dict)
+    """Columns as the table heads them, without units."""
 
     def text(self, column: str, default: str = "") -> str:
         """Return the text in a column."""
@@ -108,12 +110,15 @@ def read_table(path: Path, columns: Mapping[str, Sequence[str]], what: str, *, f
         raise DataError(f"{path}: holds no {what}; expected columns {', '.join(columns)}")
     names: dict[str, str | None] = {}
     units: dict[str, str] = {}
+    headings: dict[str, str] = {}
     found = []
     for line, cells in rows:
-        for heading in cells.keys() - names.keys():
+        for heading in [one for one in cells if one not in names]:
             name = _column(path, line, heading, columns, free)
             names[heading] = name
             match = _HEADING.match(heading)
+            if name is not None:
+                headings.setdefault(name, match["name"] if match else heading)
             if name is not None and match and match["unit"]:
                 units[name] = match["unit"].strip()
         kept: dict[str, str] = {}
@@ -122,12 +127,13 @@ def read_table(path: Path, columns: Mapping[str, Sequence[str]], what: str, *, f
             if name is None or not cell.strip():
                 continue
             if name in kept:
-                raise DataError(f"{path}:{line}: two columns are '{name}'; expected one")
+                both = " and ".join(f"'{one:.60}'" for one in cells if names[one] == name)
+                raise DataError(f"{path}:{line}: two columns are '{name}'; expected one of {both}")
             if len(cell) > LONGEST_CELL:
                 raise DataError(f"{path}:{line}: {name}: a cell of {len(cell):,} characters")
             kept[name] = cell.strip()
         found.append((line, kept))
-    return [Row(str(path), line, kept, units) for line, kept in found]
+    return [Row(str(path), line, kept, units, headings) for line, kept in found]
 
 
 def _column(path: Path, line: int, heading: str, columns: Mapping[str, Sequence[str]], free: bool) -> str | None:

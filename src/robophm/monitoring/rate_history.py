@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
+
 from robophm.core.errors import DataError
 from robophm.design.robot import Robot
 from robophm.health.ledger import Ledger
@@ -31,3 +34,22 @@ def rate_history(robot: Robot, ledger: Ledger, name: str) -> list[Seen]:
                 )
             seen.lives.append(Lived(one.start, one.end - one.start, float(one.failed), float(one.parts)))
     return list(found.values())
+
+
+def each_once(logs: Sequence[str]) -> list[str]:
+    """Return a name for each of some stores and logs: its file's, and as many folders as it takes to tell all apart.
+
+    Stores of many robots are often called alike, each in a folder of its own; taken for one robot they would say
+    nothing of how much robots differ. Raises DataError for one that is given twice, which would count twice.
+    """
+    paths: dict[Path, str] = {}
+    for log in logs:
+        path = Path(log)
+        if paths.setdefault(path.resolve(), log) != log or list(logs).count(log) > 1:
+            raise DataError(f"{log}: is given twice, and would count twice; expected each log once")
+    parts = [(*Path(log).absolute().parent.parts, Path(log).stem) for log in logs]
+    for folders in range(1, max(map(len, parts), default=1) + 1):
+        names = ["/".join(one[-folders:]) for one in parts]
+        if len({(name, Path(log).suffix) for name, log in zip(names, logs, strict=True)}) == len(names):
+            return names
+    return [str(log) for log in logs]

@@ -54,7 +54,8 @@ def _sections(fits: Sequence[Fit], refused: Mapping[str, str]) -> Iterable[Html 
     rows = [
         (one.name, parameters_text(one.parameters, one.life, one.known_until),
          span_text(one.quantiles[0.1], one.known_until), span_text(one.quantiles[0.5], one.known_until),
-         figure_text(one.mean, one.known_until), one.log_likelihood, one.aic, one.aic_corrected,
+         figure_text(one.mean, one.known_until), one.log_likelihood, one.aic,
+         one.aic_corrected if math.isfinite(one.aic_corrected) else "–",
          number_text(one.straightness, 3))
         for one in fits
     ]  # fmt: skip

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.stats import weibull_min
 
 from robophm.core.errors import DataError, DesignError
 from robophm.design.file import load, parse
@@ -147,6 +148,32 @@ def test_rank_regressions():
     assert plot.failed == pytest.approx((np.arange(1, 11) - 0.3) / 20.4, rel=1e-12)
     slope, intercept = np.polyfit(plot.x / math.log(10), plot.y / math.log(10), 1)
     assert (slope, intercept) == pytest.approx((expected["slope"], expected["intercept"]), abs=tolerance["abs"])
+
+
+def test_ranks_that_forget_who_still_worked_say_so():
+    """Benard's ranks of two failures among a hundred: the line through both is written down, and has all fail by 500 h
+    at which 98 still worked.
+    """
+    found = fit(life_data([2, 3], [500] * 98), how="ranks")
+    first, second = (-math.log1p(-(rank - 0.3) / 100.4) for rank in (1, 2))
+    shape = math.log(second / first) / math.log(3 / 2)
+    expected = sum(first * (t / 2) ** shape for t in (2, 3, *[500] * 98))
+    assert found.parameters["shape"].value == pytest.approx(shape, rel=1e-6)
+    assert any(f"by this line {expected:.3g} failures would have been expected where 2" in one for one in found.notes)
+    assert not any("by this line" in one for one in fit(life_data([200, 300, 420], [500]), how="ranks").notes)
+
+
+def test_lives_younger_than_anything_watched_are_said():
+    """Of parts watched from half of their age on, with the share before the youngest by SciPy."""
+    rng = np.random.default_rng(1)
+    ages = rng.weibull(1.5, 20) * 100
+    late = replace(life_data(ages.tolist()), since=ages / 2)
+    found = fit(late, "weibull")
+    before = weibull_min.cdf(ages.min() / 2, found.parameters["shape"].value, scale=found.parameters["scale"].value)
+    assert before > 0.01
+    assert any(f"{100 * before:.3g} % of its lives end before {ages.min() / 2:.4g} h" in one for one in found.notes)
+    with pytest.raises(DataError, match="normal has no best fit here"):  # its mean runs off below zero
+        fit(late, "normal")
 
 
 def test_three_parameters():

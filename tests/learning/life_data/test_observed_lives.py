@@ -33,8 +33,15 @@ def read(tmp_path):
         "time [h],status\n5,1\n6,0\n7,1\n",
         "time [h],status\n5,dead\n6,alive\n7,dead\n",
         "T [h],E,weights\n5,1,1\n6,0,1\n7,1,1\n",
+        "time [h],death\n5,1\n6,0\n7,1\n",
+        ",T [h],E\n0,5,1\n1,6,0\n2,7,1\n",  # a data frame's index
+        "start [h],stop [h],event\n0,5,1\n0,6,0\n0,7,1\n",
+        "lower_bound [h],upper_bound [h]\n5,5\n6,inf\n7,7\n",
         "x [h],c,n\n5,0,1\n6,1,1\n7,0,1\n",  # SurPyval
+        "x [h],c,n,tl [h],tr [h]\n5,0,1,-inf,inf\n6,1,1,-inf,inf\n7,0,1,-inf,inf\n",
+        "i,x [h],c\na,5,0\nb,6,1\nc,7,0\n",
         "x [h],c\n5,F\n6,C\n7,F\n",  # reliability
+        "event times [h],censor code,number of events\n5,F,1\n6,C,1\n7,F,1\n",
         "xl [h],xr [h],c\n5,5,0\n6,6,1\n7,7,0\n",
         "time [h],censored\n5,\n6,yes\n7,no\n",
     ],
@@ -62,7 +69,13 @@ def test_all_kinds_of_surpyval(read):
         ("time,event\n5,1\n6,3\n", r"lives.csv:3: event: '3'; expected failed or worked or left"),
         ("time,event\n5,1\n6,\n", r"lives.csv:3: event: is empty; expected whether it failed"),
         ("x,c\n5,2\n6,0\n", r"lives.csv:2: c: failed within an interval, but states one time"),
-        ("x,c,n,t\n5,1,1,2\n", "lives.csv:2: two columns are 'time'; expected one"),
+        ("x,c,n,t\n5,1,1,2\n", "lives.csv:2: two columns are 'time'; expected one of 'x' and 't'"),
+        ("T,C\n5,1\n6,0\n", r"lives.csv:2: C: 1: failed, or censored\? 1 is the one to some and the other to others"),
+        ("time,cens\n5,0\n6,1\n", r"lives.csv:2: cens: 0: failed, or censored\?"),
+        ("T,E\n5,1\n6,2\n", "lives.csv:3: event: '2'; .* in which way a part failed is a column 'mode'"),
+        ("x,c,e\n5,0,a\n6,0,b\n", "'e' beside 'c' is in which way a part failed, .* headed 'mode'"),
+        ("week,arrest\n5,1\n6,0\n", "has no times; expected a column 'time .*, not 'week', 'arrest' alone"),
+        ("time,arrest\n5,1\n6,0\n", "'arrest' is not known.* If it says which failed, head it 'event'"),
         ("time [h],since [h]\n5,5\n", r"lives.csv:2: since: 5 is not before the part was last seen"),
         ("time [h],since [h],censored\n5,6,yes\n", "since: 6 is not before the part was last seen"),
         ("from [h],to [h],since [h]\n5,9,6\n", "since: 6 is not before the part was last seen"),
@@ -87,6 +100,9 @@ def test_what_could_mean_either_is_refused(read, text, said):
         "mode",
         "tr",
         "weights",
+        "death",
+        "cens",
+        "delta",
     ):  # and never a stress, even if it is called one
         with pytest.raises(DataError):
             fit_life_stress(read(f"time [h],{name}\n5,1\n6,0\n7,1\n", stresses=[name]), reference={name: 1.0})

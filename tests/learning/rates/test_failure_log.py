@@ -100,6 +100,8 @@ def test_yaml_and_dates(seen):
         ("motor,a,,5 km,,,,,", r"unit 'km' does not measure what 'h' does"),
         ("motor,a,,,,,,,", r"exposure: is empty; expected how old the part was"),
         ("motor,a,,nan h,,,,,", r"exposure: 'nan h' is not a number with a unit"),
+        ("motor,a,,0 h,,,,,", "log.csv:2: exposure: failed at an age of 0, before it worked"),
+        ("motor,a,,1e300 h,yes,,,,", r"log.csv:2: exposure: 1e300 h is no age of a part; expected 0 … 1e.15 h"),
         ("bearing,a,,500 km,yes,,,,\nbearing,a,,300 km,,,,,", r"300 km contradicts itself: line 2 says 500 km"),
         ("arm,a,,5 h,,,,,", r"'arm' failed, but by which of its modes is not said; expected 'arm/gear', 'arm/belt'"),
         ("arm/belt,a,,5 h,,,,,", r"says nothing in km, in which 'arm/belt' ages"),
@@ -143,6 +145,8 @@ def test_what_a_prior_may_be(seen, tmp_path, robot):
     assert learn(robot, only, "5000 h")[0].posterior.prior == pytest.approx(0.05)
     with pytest.raises(DataError, match="more than nothing"):
         learn(robot, only, "0 failures")
+    with pytest.raises(DataError, match=r"counts as 1e.300 failures of 'motor'; expected at most 1e.09"):
+        learn(robot, only, "1e300 failures")
     with pytest.raises(DataError, match=r"no robot 'x'"):
         learn(robot, only, of="x")
 

@@ -146,6 +146,9 @@ def test_failed_without_having_reached_the_threshold():
         (Unit(np.array([1.0]), np.array([0.1])), "unit 1 of the others: expected two readings"),
         (Unit(np.array([2.0, 1.0]), np.array([0.1, 0.2])), "each later than the one before"),
         (Unit(np.array([1.0, 2.0]), np.array([0.1, np.nan])), "a time or value is no number"),
+        (Unit(np.array([1.0, 2.0]), np.array([0.1, 1e300])), "or none that a clock or sensor says"),
+        (Unit(np.array([0.0, 1e-300]), np.array([0.1, 0.2])), "or none that a clock or sensor says"),
+        (Unit(np.array([1.0, 2.0, 3.0]), np.array([1.1, 1.2, 1.3])), "unit 1 of the others is past the threshold when"),
     ],
 )
 def test_others_that_are_none(unit, expected):

@@ -197,6 +197,8 @@ def test_the_cumulative_hazard_is_of_what_is_drawn():
     [
         ([1], [1], 2, "1 reading: when a threshold is reached cannot be said; expected at least 4"),
         ([1, 2, 2, 3], [1, 2, 3, 4], 9, "times do not ascend"),
+        ([0, 1e-300, 2e-300, 3e-300], [1, 2, 3, 4], 9, "the nearest 1e-300 apart: no part's clock says that"),
+        ([0, 1e300, 2e300, 3e300], [1, 2, 3, 4], 9, r"readings until 3e\+300, .*: no part's clock says that"),
         ([1, 3, 2, 4], [1, 2, 3, 4], 9, "times do not ascend"),
         ([1, 2, 3, 4], [1, 2, np.nan, 4], 9, "no number"),
         ([1, 2, 3, 4], [1, 2, 3, 4], np.inf, "no number"),

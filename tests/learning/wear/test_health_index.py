@@ -84,6 +84,13 @@ def test_what_cannot_be_learned():
         learn_health_index([*fleet, SignalHistory(t[::-1], fleet[0].values)])
     with pytest.raises(DataError, match="unit 7: a time or value is no number"):
         learn_health_index([*fleet, SignalHistory(t, np.full((100, 4), np.nan))])
+    with pytest.raises(DataError, match="unit 7: a time or value is beyond 1e"):
+        learn_health_index([*fleet, SignalHistory(t, np.full((100, 4), 1e300))])
     index = learn_health_index(fleet, window=10)
+    with pytest.raises(DataError, match="the unit: one reading; expected at least two"):
+        index.remaining(t[:1], fleet[0].values[:1])
+    old = [*t[:-1], 100 * t[-1]]
+    with pytest.raises(DataError, match=r"none older than .* how long it goes on cannot be said by them"):
+        index.remaining(old, fleet[0].values)
     with pytest.raises(DataError, match="2 signals; expected the 4"):
         index.remaining(t, fleet[0].values[:, :2])

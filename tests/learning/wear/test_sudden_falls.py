@@ -29,6 +29,8 @@ def test_a_burst_of_bad_readings_is_no_maintenance():
 def test_wear_that_leads_away_falls_steadily_and_not_at_once():
     t = np.arange(20.0)
     assert recoveries(t, 5 - 0.1 * t + 0.01 * (t % 3), 10.0) == (pytest.approx([]), -np.inf)
+    assert len(recoveries(t, 0.6 - 0.00012 * t, 0.7)[0]) == 0  # steps that differ by rounding alone
+    assert len(recoveries(t, 0.6 - 0.00012 * t - 1e-7 * (t >= 12), 0.7)[0]) == 0
     fell = 5 - 0.1 * t + 0.01 * (t % 3) - 1.0 * (t >= 12)
     assert recoveries(t, fell, 10.0)[0].tolist() == [12.0]
 

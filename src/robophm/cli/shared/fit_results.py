@@ -33,7 +33,7 @@ def fit_json(one: Fit) -> dict[str, Any]:
     return {
         "distribution": one.name, "parameters": {name: bounded_json(value) for name, value in one.parameters.items()},
         "log_likelihood": one.log_likelihood, "aic": one.aic,
-        "aic_corrected": one.aic_corrected,
+        "aic_corrected": one.aic_corrected if math.isfinite(one.aic_corrected) else None,
         "mean": known(one.mean, limit), "known_until": limit,
         "quantiles": {str(p): bounded_json(value, limit) for p, value in one.quantiles.items()},
         "r_squared": one.straightness, "notes": list(one.notes),

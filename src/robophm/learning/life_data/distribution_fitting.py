@@ -60,6 +60,10 @@ FAR = 10.0
 UNKNOWN = 100.0
 """The same, beyond which it is not told at all."""
 
+MOST_UNSEEN = 0.01
+"""Share of lives at ages at which nothing was watched from which on that is said, and probability of as few failures
+as were seen below which a line through ranks is doubted."""
+
 MOST_BELOW_ZERO = 0.01
 """Share of lives below zero from which on a distribution is no life."""
 
@@ -145,6 +149,9 @@ def fit(data: LifeData, name: str = "weibull", *, how: How = "likelihood", level
         if not np.all(np.isfinite(model.params)):
             raise DataError(f"{data.source}: {name} has no best fit here; expected data that spread more")
         found = _fit(data, name, how, level, model)
+    if any(one.startswith("No finite maximum") for one in said):
+        raise DataError(f"{data.source}: {name} has no best fit here: ever more extreme parameters go ever better with "
+                        "these data")  # fmt: skip
     return Fit(**{**found, "notes": (*found["notes"], *_told(said))})
 
 
@@ -267,6 +274,7 @@ def _fit(data: LifeData, name: str, how: How, level: float, model: Any) -> dict[
             "; a fit with parts that never fail says whether some never will" if data.failures < data.parts / 2 else ""
         )
         notes.append(f"its mean {far}{never}")
+    notes += _beside_the_data(data, life, how)
     covariance = np.asarray(model.covariance()) if sure else np.empty((0, 0))
     return {
         "name": name, "data": data, "how": how, "level": level, "parameters": parameters, "life": life,
@@ -274,6 +282,27 @@ def _fit(data: LifeData, name: str, how: How, level: float, model: Any) -> dict[
         "mean": life.mean(),
         "straightness": straightness, "plot": points, "covariance": covariance, "notes": tuple(notes), "model": model,
     }  # fmt: skip
+
+
+def _beside_the_data(data: LifeData, life: LifeDistribution, how: How) -> list[str]:
+    """Warnings of a life that says much of ages at which nothing was watched, or forgets what still worked."""
+    from scipy.special import pdtr
+
+    notes = []
+    youngest = float(data.began.min())
+    if youngest > 0 and (before := float(life.failure_probability(youngest))) > MOST_UNSEEN:
+        notes.append(
+            f"{100 * before:.3g} % of its lives end before {youngest:.4g} {data.unit}".rstrip()
+            + ", younger than anything was watched: that rests on the shape of the distribution alone"
+        )
+    if how == "ranks":
+        expected = float((data.count * life.cumulative_hazard(data.low)).sum())
+        if pdtr(data.failures, expected) < MOST_UNSEEN:
+            notes.append(
+                f"by this line {expected:.3g} failures would have been expected where {data.failures} were seen: ranks "
+                "forget for how long the parts that did not fail still worked; a fit by likelihood does not"
+            )
+    return notes
 
 
 def seen_long(data: LifeData, name: str) -> float:

@@ -21,6 +21,7 @@ from robophm.core.errors import DataError, nearest
 from robophm.learning.life_data.distribution_fitting import (
     DOUBTFUL,
     FAMILIES,
+    FAR,
     LEVEL,
     UNKNOWN,
     Bounded,
@@ -103,9 +104,16 @@ class LifeStressFit:
     @property
     def known_until(self) -> float:
         """The life at the reference stress beyond which the data tell nothing of a figure."""
+        return UNKNOWN * self.data.longest * max(*self._tested(), 1.0)
+
+    @property
+    def nearest_test(self) -> float:
+        """The acceleration of the test that was nearest to the reference stress."""
+        return min(self._tested(), key=lambda factor: abs(math.log(max(factor, 1e-300))))
+
+    def _tested(self) -> list[float]:
         table = np.unique(np.stack(list(self.data.stresses.values()), axis=1), axis=0)
-        fastest = max(self.acceleration(dict(zip(self.data.stresses, one, strict=True))) for one in table.tolist())
-        return UNKNOWN * self.data.longest * max(fastest, 1.0)
+        return [self.acceleration(dict(zip(self.data.stresses, one, strict=True))) for one in table.tolist()]
 
     def acceleration(self, stress: Mapping[str, float]) -> float:
         """Return how many times as fast a part ages at a stress as at the reference."""
@@ -149,6 +157,9 @@ def fit_life_stress(
             notes.append(f"life grows with {stress}: that is no acceleration")
         elif one.low <= (1 if chosen[stress] == "q10" else 0):
             notes.append(f"that {stress} shortens life is not shown: the interval holds none")
+    if not 1 / FAR <= found.nearest_test <= FAR:
+        notes.append(f"even the nearest test aged parts {found.nearest_test:.3g} times as fast as use: figures of use "
+                     "rest on the law alone")  # fmt: skip
     if separate and separate[2] < DOUBTFUL:
         notes.append("one law with one shape for all stresses fits badly: lives at each stress alone fit better")
     return replace(found, steps=steps, levels=tested, separate=separate, notes=tuple(notes))

@@ -31,14 +31,20 @@ COLUMNS: Mapping[str, Sequence[str]] = {
         "cycles",
         "duration",
         "durations",
+        "times",
+        "event times",
+        "survival",
+        "survival time",
+        "stop",
+        "tstop",
     ),
-    "from": ("left", "lower", "after", "xl"),
-    "to": ("right", "upper", "before", "xr"),
-    "since": ("entry", "late entry", "truncated", "tl"),
+    "from": ("left", "lower", "lower bound", "lower_bound", "after", "xl"),
+    "to": ("right", "upper", "upper bound", "upper_bound", "before", "xr"),
+    "since": ("entry", "late entry", "truncated", "tl", "start", "tstart"),
     **FATE_COLUMNS,
     "mode": ("failure mode", "failure_mode", "cause"),
-    "count": ("n", "quantity", "number", "weights"),
-    "item": ("unit", "serial", "id", "system"),
+    "count": ("n", "quantity", "number", "number of events", "weights"),
+    "item": ("unit", "serial", "id", "i", "system"),
 }
 """Columns of a table of lives; any other column is a stress, if its name is known or the user says that it is."""
 
@@ -140,17 +146,26 @@ def read_life_data(path: Path, stresses: Collection[str] = ()) -> LifeData:
     rows = read_table(path, COLUMNS, "lives", free=True)
     unit = _unit(rows)
     names = dict.fromkeys(name for row in rows for name in row.cells if name not in COLUMNS)
-    for name in names:
+    for name in [*names]:
+        cells = {row.text(name).casefold() for row in rows}
         if name.casefold() in UNKNOWN_TRUNCATION:
+            if cells <= {"inf", "+inf", "infinity", "na", ""}:  # truncates nothing
+                del names[name]
+                continue
             raise DataError(
                 f"{path}: column '{name}': right truncation (lives that would not be in the table had they been "
                 "longer) is known to no fit here; expected all that were watched, those that still worked as censored"
             )
         if name in stresses or name in STRESS_UNITS:
             continue
+        hint = nearest(name, [*COLUMNS, *STRESS_UNITS])
+        fate = (
+            " If it says which failed, head it 'event' (1: it failed) or 'censored' (1: it still worked)."
+            if cells <= {"0", "1", "0.0", "1.0", "true", "false", "yes", "no", ""} else ""
+        )  # fmt: skip
         raise DataError(
-            f"{path}: column '{name}' is not known{nearest(name, [*COLUMNS, *STRESS_UNITS])}. If it is a stress, at "
-            f"which {name} will parts be used? expected a stress of use, or no such column"
+            f"{path}: column '{name}' is not known{hint}{'' if hint.endswith('?') else '.'}{fate} If it is a stress, "
+            f"at which {name} will parts be used? expected a stress of use, or no such column"
         )
     column = fate_column(str(path), rows)
     bounds = [_bounds(row, unit, column) for row in rows]
@@ -214,7 +229,9 @@ def _unit(rows: Sequence[Row]) -> str:
                     column,
                 )
     if not known:
-        raise DataError(f"{rows[0].table}: has no times; expected a column 'time [h]', or 'from [h]' and 'to [h]'")
+        headed = ", ".join(f"'{one:.40}'" for one in [*rows[0].headings.values()][:8])
+        raise DataError(f"{rows[0].table}: has no times; expected a column 'time [h]', or 'from [h]' and 'to [h]', "
+                        f"not {headed} alone")  # fmt: skip
     return next(iter(known))
 
 
@@ -251,6 +268,8 @@ def _time(row: Row, unit: str, column: str, missing: float) -> float:
         return missing
     if column == "to" and row.text(column).casefold() in ("inf", "infinity", "na"):
         return math.inf
+    if column in ("since", "from") and row.text(column).casefold() in ("-inf", "-infinity", "na"):
+        return 0.0
     value = row.quantity(column, unit)
     if value < 0:
         raise row.error(f"{row.text(column)} is negative; expected a life, above 0", column)

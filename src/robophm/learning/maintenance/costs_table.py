@@ -32,6 +32,9 @@ COLUMNS: Mapping[str, Sequence[str]] = {
 YEAR = 8766.0
 """Hours of a year."""
 
+MOST = 1e15
+"""The largest cost, whatever the currency, and the longest downtime [h]."""
+
 
 @dataclass(frozen=True)
 class PartCosts:
@@ -76,6 +79,8 @@ def _costs(row: Row, hour_down: float) -> Costs:
     for name, time in zip(("preventive downtime", "corrective downtime"), downtimes, strict=True):
         if time < 0:
             raise row.error(f"{row.text(name)} is negative", name)
+        if time > MOST:
+            raise row.error(f"{row.text(name)} is too much; expected at most {MOST:g} h", name)
     repair = _at_least(row, "repair", None) if "repair" in row.cells else None
     remaining = row.number("remaining", 1.0)
     if "remaining" in row.cells and repair is None:
@@ -109,4 +114,6 @@ def _at_least(row: Row, column: str, default: float | None) -> float:
     value = row.number(column, default)
     if value < 0:
         raise row.error(f"{row.text(column)} is negative; expected a cost, at least 0", column)
+    if value > MOST:
+        raise row.error(f"{row.text(column)} is too much; expected at most {MOST:g}", column)
     return value

@@ -34,6 +34,9 @@ COLUMNS: Mapping[str, Sequence[str]] = {
 ACTIONS = {"replaced": ("replace", "new", "replacement"), "repaired": ("repair",), "none": ("-", "nothing")}
 _DAY = 24.0
 
+LONGEST = 1e15
+"""The greatest age of a part, in the unit of its clock; the least above 0 is as far below 1."""
+
 
 @dataclass
 class Seen:
@@ -177,6 +180,9 @@ class _Reader:
                 seen.lives.append(Lived(age, step, failed, count))
             item.virtual[one.path] = age + step
         if not censored and mode is not None:
+            if not went[CLOCK_UNITS[mode.clock]] > 0:
+                raise row.error("failed at an age of 0, before it worked, which says nothing of a rate; expected above "
+                                "0, or no such row", "exposure")  # fmt: skip
             self.seen[mode.path, key[0]].failures += count
         item.went |= went
         item.last, item.begun, item.open = row, True, False
@@ -232,6 +238,8 @@ class _Reader:
                 value = row.quantity(column, unit, written.strip())
                 if value < 0:
                     raise row.error(f"{written.strip()} is negative; expected the age of the part, at least 0", column)
+                if value > LONGEST or 0 < value < 1 / LONGEST:
+                    raise row.error(f"{written.strip()} is no age of a part; expected 0 … {LONGEST:g} {unit}", column)
                 if unit in found:
                     raise row.error(f"states {unit} twice", column)
                 found[unit] = value

@@ -23,6 +23,10 @@ USUAL_PRIOR = 1.0
 """Failures that a stated rate counts as, where neither the design nor the user says more."""
 
 
+MOST_PRIOR = 1e9
+"""The most failures that a stated rate may count as: its error is then 30 millionths."""
+
+
 @dataclass(frozen=True)
 class LearnedRate:
     """The updated rate of one failure mode."""
@@ -187,6 +191,9 @@ def _said(mode: FailureMode, rate: float, prior: str) -> float:
         ) from None
     if not value > 0:
         raise DataError(f"prior '{prior:.40}': expected more than nothing, e.g. '0.5 failures' or '1000 h'")
+    if value > MOST_PRIOR:
+        raise DataError(f"prior '{prior:.40}' counts as {value:.3g} failures of '{mode.path}'; expected at most "
+                        f"{MOST_PRIOR:g}: a rate that is surer than that is not learned")  # fmt: skip
     return value
 
 

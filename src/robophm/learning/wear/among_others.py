@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.core.errors import DataError
-from robophm.learning.wear.averaging import DRAWS, Forecast, checked, first_passage, forecast
+from robophm.learning.wear.averaging import DRAWS, LONGEST, WIDEST, Forecast, checked, first_passage, forecast
 from robophm.learning.wear.log_regression import LIFE_SCATTER, Array, LogStudent, lasting
 from robophm.learning.wear.shape_invariant import DegradationCurve, along
 from robophm.learning.wear.since_onset import onset
@@ -214,7 +214,7 @@ def alike(
 ) -> UnitsAlike:
     """Return units on one scale of wear. ``own``: readings of the unit itself, its values turned so that wear grows.
 
-    Raises DataError for others without two readings.
+    Raises DataError for others without two readings, or past the threshold from the first one on.
     """
     goal = -threshold if falls else threshold
     turned = [_turned(one, threshold, k, falls=falls) for k, one in enumerate(others)]
@@ -227,6 +227,12 @@ def alike(
     mine = [1 - (goal - own[1]) / way] if own else []
     width = _width([*levels, *mine])
     courses = tuple(_course(one[0], wear, width, one[3]) for one, wear in zip(turned, levels, strict=True))
+    for k, one in enumerate(courses):
+        if not one.duration > 0:
+            raise DataError(
+                f"unit {k + 1} of the others is past the threshold when its readings begin: how long it lived is not "
+                "seen; expected one that had yet to reach it, or not that unit"
+            )
     now = Trajectory(own[0], mine[0], _level(mine[0], width), float(np.ptp(own[0])), False) if own else None
     return UnitsAlike(courses, now, new, way)
 
@@ -236,8 +242,10 @@ def _turned(one: Unit, threshold: float, k: int, *, falls: bool) -> tuple[Array,
     t, y = np.asarray(one.times, dtype=float), np.asarray(one.values, dtype=float)
     if t.shape != y.shape or t.ndim != 1 or len(t) < 2 or np.any(np.diff(t) <= 0):
         raise DataError(f"unit {k + 1} of the others: expected two readings or more, each later than the one before")
-    if not (np.isfinite(t).all() and np.isfinite(y).all()):
-        raise DataError(f"unit {k + 1} of the others: a time or value is no number; expected finite ones")
+    if not (np.abs(y).max() <= WIDEST and np.abs(t).max() <= LONGEST and np.diff(t).min() >= 1 / LONGEST):
+        raise DataError(
+            f"unit {k + 1} of the others: a time or value is no number, or none that a clock or sensor says"
+        )
     sign = -1.0 if falls else 1.0
     return t, sign * y, sign * (threshold if one.threshold is None else one.threshold), one.failed
 

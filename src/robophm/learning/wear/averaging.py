@@ -49,6 +49,9 @@ CONTRADICTED = 0.01
 WIDEST = 1e60
 """The largest magnitude of a reading; its powers are still numbers of double precision."""
 
+LONGEST = 1e15
+"""The latest time of a reading, in the unit of its clock; readings are at least one in so much apart."""
+
 
 class Interval(NamedTuple):
     """5 %, 50 % and 95 % quantile."""
@@ -287,7 +290,7 @@ def checked(
     if not (np.isfinite(t).all() and np.isfinite(y).all() and math.isfinite(threshold)):
         raise DataError("a time, a value or the threshold is no number; expected finite ones")
     if not (math.isfinite(deviation) and deviation >= 0):
-        raise DataError(f"a threshold known to {deviation:g}; expected a deviation of at least 0")
+        raise DataError("the threshold's deviation is negative or no number; expected a finite one, at least 0")
     if len(t) < FEWEST:
         few = f"{len(t)} reading{'s' if len(t) != 1 else ''}"
         raise DataError(f"{few}: when a threshold is reached cannot be said; expected at least {FEWEST}")
@@ -295,6 +298,11 @@ def checked(
         raise DataError("times do not ascend; expected each reading later than the one before")
     if t[0] < 0:
         raise DataError(f"the first reading is at {t[0]:g}; expected times of the part's clock, at least 0")
+    if t[-1] > LONGEST or np.diff(t).min() < 1 / LONGEST:
+        raise DataError(
+            f"readings until {t[-1]:g}, the nearest {np.diff(t).min():g} apart: no part's clock says that; expected at "
+            f"most {LONGEST:g}, and {1 / LONGEST:g} apart"
+        )
     if max(np.abs(y).max(), abs(threshold)) > WIDEST:
         raise DataError(f"a value or the threshold is beyond {WIDEST:g}: no sensor says that; expected smaller ones")
     if np.ptp(y) == 0:

@@ -16,10 +16,13 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.core.errors import DataError
-from robophm.learning.wear.averaging import DRAWS, Interval, interval_of
+from robophm.learning.wear.averaging import DRAWS, WIDEST, Interval, interval_of
 from robophm.learning.wear.operating_conditions import OperatingConditions, learn_operating_conditions
 
 Array = npt.NDArray[np.float64]
+
+FAR = 3.0
+"""How many times as far as ages that are alike a unit may be beyond the oldest that failed, to be foretold by these."""
 
 FEWEST_UNITS = 5
 """Units that failed, from which an index can be learned."""
@@ -105,11 +108,17 @@ class HealthIndex:
     ) -> Remaining:
         """Draw the remaining life of a unit after its last reading.
 
-        Raises DataError for readings unlike those that the index was learned from.
+        Raises DataError for readings unlike those that the index was learned from, and for a unit older than these.
         """
         course = _history(times, values, settings, "the unit")
         if course.values.shape[1] != self.signals:
             raise DataError(f"{course.values.shape[1]} signals; expected the {self.signals} of the units that failed")
+        age, oldest = float(course.times[-1]), float(self.ages.max())
+        if age > oldest + FAR * self.near[1] * self.horizon:
+            raise DataError(
+                f"it has grown {age:g} old, and of the units that failed none older than {oldest:g}: how long it goes "
+                "on cannot be said by them"
+            )
         assert course.settings is not None
         if course.settings.shape[1] != len(self.usual.cuts):
             raise DataError(f"{course.settings.shape[1]} settings; expected the {len(self.usual.cuts)} of these units")
@@ -117,7 +126,7 @@ class HealthIndex:
         recent = SignalHistory(course.times[last], course.values[last], course.settings[last])
         features = _features(recent, self.window, self.usual)[-1:]
         index = float(self._index(features)[0])
-        return Remaining(index, self.drawn(index, float(course.times[-1]), draws=draws))
+        return Remaining(index, self.drawn(index, age, draws=draws))
 
     def drawn(self, index: float, age: float, *, without: int | None = None, draws: int = DRAWS) -> Array:
         """Draw how long those went on that had such an index at such an age, ``without`` one of the units."""
@@ -205,6 +214,8 @@ def _nearness(
 
 def _history(times: npt.ArrayLike, values: npt.ArrayLike, settings: npt.ArrayLike | None, name: str) -> SignalHistory:
     t, x = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
+    if t.shape == (1,):
+        raise DataError(f"{name}: one reading; expected at least two")
     if t.ndim != 1 or x.ndim != 2 or len(t) != len(x) or len(t) < 2:
         raise DataError(f"{name}: {t.shape} times and {x.shape} values; expected (readings,) and (readings, signals)")
     s = np.zeros((len(t), 0)) if settings is None else np.asarray(settings, dtype=float)
@@ -212,6 +223,8 @@ def _history(times: npt.ArrayLike, values: npt.ArrayLike, settings: npt.ArrayLik
         raise DataError(f"{name}: settings of {s.shape}; expected (readings, settings)")
     if not (np.isfinite(t).all() and np.isfinite(x).all() and np.isfinite(s).all()):
         raise DataError(f"{name}: a time or value is no number; expected finite ones")
+    if max(np.abs(t).max(), np.abs(x).max(initial=0.0), np.abs(s).max(initial=0.0)) > WIDEST:
+        raise DataError(f"{name}: a time or value is beyond {WIDEST:g}: no sensor says that; expected smaller ones")
     if np.any(np.diff(t) <= 0):
         raise DataError(f"{name}: times do not ascend; expected each reading later than the one before")
     return SignalHistory(t, x, s)

@@ -31,11 +31,13 @@ def recoveries(times: Array, wear: Array, threshold: float) -> tuple[Array, floa
     """
     steps = np.diff(wear)
     off = np.abs(steps - np.median(steps))
-    different = off[off > DUST * float(np.ptp(wear))]
+    dust = DUST * float(np.ptp(wear))
+    different = off[off > dust]
     # A signal of few digits mostly stands still, and its least step is no fall.
-    least = max(1.4826 * float(np.median(off)), float(different.min()) if len(different) else 0.0)
+    least = max(1.4826 * float(np.median(off)), float(different.min()) if len(different) else dust)
     usual = np.maximum(1.4826 * before(off, OF_LATE), least)
-    fell = np.flatnonzero(min(float(np.median(steps)), 0.0) - steps > EVENT * usual)
+    led_away = max(-float(np.median(steps)), 0.0)  # a fall is at once where it is twice that, however even steps are
+    fell = np.flatnonzero(-steps - led_away > np.maximum(EVENT * usual, led_away))
     matters = MATTERS * (threshold - wear[0])
     large = [k for k in fell.tolist() if -steps[k] > max(RENEWED * (wear[: k + 1].max() - wear[0]), matters)]
     # It was up and stays down: otherwise it was bad readings.
