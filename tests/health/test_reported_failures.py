@@ -7,6 +7,7 @@ import pytest
 from robophm.core.errors import RobophmError
 from robophm.core.signal import CLOCK, HOUR, SECOND, Sample
 from robophm.design.file import parse
+from robophm.health.alarms import Alarms
 from robophm.health.ledger import Ledger
 from robophm.health.part_due import dues
 from robophm.health.service import ServiceNote, failures, service_intervals, take_note
@@ -48,6 +49,22 @@ def monitor() -> Monitor:
 
 def failed(part: str) -> ServiceNote:
     return ServiceNote(part, failed=True, waits=True)
+
+
+def test_a_failure_is_an_alarm_until_it_is_served(monitor: Monitor) -> None:
+    """Also of a mode of a part; told by reports, and one that was open goes on in another process."""
+    alarms = Alarms()
+    assert alarms.look(monitor.report(remaining_life=False)) == []
+    take_note(ROBOT, monitor.ledger, failed("arm/b"))
+    (begun,) = alarms.look(monitor.report(remaining_life=False))
+    assert (begun.what, begun.path, begun.severity, begun.end) == ("failure of arm", "arm", "error", None)
+    assert begun.cause == "arm/b was told to have failed"
+    assert alarms.look(monitor.report(remaining_life=False)) == []
+    alarms = Alarms([begun])
+    take_note(ROBOT, monitor.ledger, ServiceNote("arm", failed=True))
+    (ended,) = alarms.look(monitor.report(remaining_life=False))
+    assert (ended.what, ended.ended_by) == (begun.what, "arm was replaced or repaired")
+    assert ended.end == begun.begin  # nothing was heard meanwhile
 
 
 def operating(monitor: Monitor) -> float:

@@ -23,6 +23,7 @@ EXTRAS = {
     "zenoh": ("ROS 2 as rmw_zenoh speaks it, without its installation", ("eclipse-zenoh",)),
     "mqtt": ("robots that tell their state at an MQTT broker, as by VDA 5050", ("paho-mqtt",)),
     "foxglove": ("robots whose topics a Foxglove server serves, as foxglove_bridge", ("websockets",)),
+    "rosbridge": ("robots behind rosbridge_server, of ROS 1 or 2", ("websockets",)),
     "notebook": ("data frames and plots in Python", ("pandas", "matplotlib")),
     "parquet": ("tables in Parquet", ("pyarrow",)),
     "cbor": ("messages of CBOR in MCAP", ("cbor2",)),

@@ -1,13 +1,14 @@
-"""Alarms on what a design limits, on wear and on signals that change or fall silent: when each begins and ends."""
+"""Alarms on limits, on parts that have failed, on wear, and on signals that change or fall silent: begin and end."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any, NamedTuple
 
 from robophm.health.limits import LimitedValue, Severity
 from robophm.health.report import HealthReport
+from robophm.health.subject import FAILED
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,7 @@ class Alarms:
             self._on = hours > self._looked[1]
         self._looked = report.time, hours
         changed, seen = [], set()
-        for one in _conditions(report, is_on=self._on):
+        for one in _conditions(report, self.open, is_on=self._on):
             seen.add(one.what)
             if (alarm := self._next(one, report.time)) is not None:
                 changed.append(alarm)
@@ -123,7 +124,12 @@ class Alarms:
 _GONE = "nothing looks for it any more: the design no longer states it, or what it was of is gone"
 
 
-def _conditions(report: HealthReport, *, is_on: bool) -> Iterator[_Condition]:
+def _conditions(report: HealthReport, open_: Collection[str], *, is_on: bool) -> Iterator[_Condition]:
+    for part in report.components:
+        lost = [flag.removeprefix(FAILED) for flag in part.flags if flag.startswith(FAILED)]
+        if lost or f"failure of {part.path}" in open_:
+            words = f"{', '.join(lost)} was told to have failed" if lost else f"{part.path} was replaced or repaired"
+            yield _Condition(f"failure of {part.path}", part.path, "error", bool(lost), not lost, words)
     silent: dict[str, list[LimitedValue]] = {}
     for one in report.limited_values:
         doubt = one.silence

@@ -13,8 +13,9 @@ from robophm.core.errors import SourceError, nearest
 from robophm.transports.live.enforced_security import refuse_enforced_security
 from robophm.transports.signals.source import LiveSource
 
-CHOICES = ("auto", "ros1", "ros2", "dds", "rclpy", "zenoh", "foxglove")
-"""The choices that a user can state; or the address of a router of Zenoh, an MQTT broker or a Foxglove server."""
+CHOICES = ("auto", "ros1", "ros2", "dds", "rclpy", "zenoh", "foxglove", "rosbridge")
+"""The choices that a user can state; or the address of a router of Zenoh, an MQTT broker, a Foxglove or rosbridge
+server."""
 
 ROS1_DISTRIBUTIONS = ("noetic", "melodic", "kinetic")
 """Values of ROS_DISTRO that are ROS 1's."""
@@ -30,7 +31,8 @@ class Live:
     system: str
     """The system that is listened to: ``ROS 1``, ``ROS 2``, ``MQTT`` or ``Foxglove``."""
     transport: str
-    """Name of the transport: ``ros1``, ``ros2_dds``, ``ros2_rclpy``, ``ros2_zenoh``, ``mqtt`` or ``foxglove``."""
+    """Name of the transport: ``ros1``, ``ros2_dds``, ``ros2_rclpy``, ``ros2_zenoh``, ``mqtt``, ``foxglove`` or
+    ``rosbridge``."""
     reason: str
     """Reason for this one, as the end of a sentence."""
     node: Callable[[str], Any]
@@ -54,11 +56,15 @@ class Live:
 def open_live(choice: str = "auto", *, period: float = 0.5) -> Live:
     """Open the live source that is chosen, or that of the ROS that runs here.
 
-    ``choice`` is one of CHOICES or the address of a router of Zenoh, an MQTT broker or a Foxglove server; the clock
-    comes at multiples of ``period`` [s]. Raises SourceError where it cannot be spoken, or there is none.
+    ``choice`` is one of CHOICES or the address of a router of Zenoh, an MQTT broker, a Foxglove or rosbridge
+    server; the clock comes at multiples of ``period`` [s].
+
+    Raises SourceError where it cannot be spoken, or there is none.
     """
     if choice.partition("://")[0] == "foxglove":
         return _foxglove(choice, period)
+    if choice.partition("://")[0] == "rosbridge":
+        return _rosbridge(choice, period)
     if choice.partition("://")[0] == "zenoh":
         return _zenoh(choice, AS_ASKED, period)
     if "://" in choice:
@@ -93,6 +99,19 @@ def _foxglove(place: str, period: float) -> Live:
     system = {"cdr": "ROS 2", "ros1": "ROS 1"}.get(encoding, "Foxglove")
     publisher = foxglove.Publisher if encoding else None
     return Live(source, system, "foxglove", f"{source.place}, {AS_ASKED}", partial(foxglove.Node, source), publisher)
+
+
+def _rosbridge(place: str, period: float) -> Live:
+    from robophm.transports import rosbridge
+
+    source = rosbridge.Rosbridge(place, period=period)
+    said = f"{source.place}, {AS_ASKED}"
+    try:
+        system = f"ROS {source.generation}"
+    except SourceError:
+        source.close()
+        raise
+    return Live(source, system, "rosbridge", said, partial(rosbridge.Node, source), rosbridge.Publisher)
 
 
 def _dds(reason: str, period: float) -> Live:

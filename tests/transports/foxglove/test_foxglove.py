@@ -21,7 +21,7 @@ import pytest
 
 from robophm.core.errors import SourceError
 from robophm.transports.foxglove import Foxglove, Node, Publisher
-from robophm.transports.foxglove.protocol import address, channels_of, message_in
+from robophm.transports.foxglove.protocol import SERVER, channels_of, message_in
 from robophm.transports.running_robot import open_live
 
 from ...drafting.robots import build
@@ -178,13 +178,13 @@ def test_a_robot_is_watched_and_health_is_told_to_it(robot: Robot, tmp_path: Pat
     ("foxglove://[::1]:9", "ws://[::1]:9"),
 ])  # fmt: skip
 def test_addresses(said: str, meant: str) -> None:
-    assert address(said) == meant
+    assert SERVER.address(said) == meant
 
 
 @pytest.mark.parametrize("said", ["foxglove://", "foxglove://a/b", "foxglove://u@a", "ws://a", "foxglove://a:x"])
 def test_addresses_that_are_none(said: str) -> None:
     with pytest.raises(SourceError, match="is not the address of a Foxglove server"):
-        address(said)
+        SERVER.address(said)
 
 
 def test_no_server_is_one_line() -> None:

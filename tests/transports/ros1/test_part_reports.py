@@ -132,18 +132,31 @@ while not rospy.is_shutdown():
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
     )  # fmt: skip
     try:
-        *_, fine, failed, refused = called(ros, services_path, """
-leg = [TaskLeg(duration=0.1)]
+        *_, fine, failed, refused, alarm = called(ros, services_path, """
+from diagnostic_msgs.msg import DiagnosticArray
+leg, seen = [TaskLeg(duration=0.1)], []
+rospy.Subscriber("/diagnostics", DiagnosticArray, lambda array: seen.extend(array.status))
 while not told("assess_task", legs=leg).header.stamp.secs: rospy.sleep(0.1)  # until the robot is heard
 told("report_failure", part="motor")
 at = rospy.Time.now() + rospy.Duration(1.5)
 while rospy.Time.now() < at: rospy.sleep(0.1)
 told("assess_task", legs=leg)
+alarmed = []
+while not alarmed:
+    rospy.sleep(0.05)
+    alarmed = [one for one in list(seen) if "failure of motor" in one.name]
+print(json.dumps([alarmed[0].level, alarmed[0].message]), flush=True)
 """)  # fmt: skip
+        assert alarm[0] == 2  # diagnostic_msgs/DiagnosticStatus: ERROR
+        assert alarm[1].startswith("motor was told to have failed")
         assert (fine["go"], failed["noted"]) == (True, True)
         assert (refused["go"], refused["completion_sensor_based"], refused["completion_nominal"]) == (False, 0, 0)
     finally:
         process.send_signal(signal.SIGKILL)
         process.wait(60)
     told = [(one.kind, one.said) for one in kept(tmp_path / "past.db")[1] if one.subject]
-    assert told == [("failure", "motor failed")]
+    assert told == [("failure", "motor failed"), ("alarm", "motor was told to have failed")]
+    with SqliteStore(tmp_path / "past.db") as opened:
+        (robot,) = opened.robots()
+        (logged,) = opened.alarm_log(robot).alarms(open_only=True)
+    assert (logged["path"], logged["severity"]) == ("motor", "error")

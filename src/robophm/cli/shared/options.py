@@ -42,7 +42,8 @@ Via = Annotated[
     str,
     typer.Option(
         "--via",
-        help="auto, ros1, ros2, dds, rclpy, zenoh[://robot], mqtt://broker/topic or foxglove://robot: how it is heard",
+        help="how it is heard: auto, ros1, ros2, dds, rclpy, zenoh[://robot], mqtt://broker/topic, foxglove://robot or "
+        "rosbridge://robot",
     ),
 ]
 ChanceSeed = Annotated[int, typer.Option(help="seed of --monte-carlo", min=0)]

@@ -1,8 +1,8 @@
 """Transport ``foxglove``: a robot that serves its topics over the Foxglove WebSocket protocol, as foxglove_bridge does.
 
 ``Foxglove`` listens (``source.py``), a ``Publisher`` speaks from a ``Node`` (``publisher.py``). The server tells the
-definition of each type, so that neither ROS nor its messages are needed here. All that touches the websockets package
-is in ``connection.py``; what goes over it is in ``protocol.py``.
+definition of each type, so that neither ROS nor its messages are needed here. What goes over the connection is in
+``protocol.py``.
 """
 
 from __future__ import annotations

@@ -7,17 +7,14 @@ import json
 import struct
 from dataclasses import dataclass
 from typing import Any
-from urllib.parse import urlsplit
 
-from robophm.core.errors import SourceError
+from robophm.transports.live.web_socket import Server
 from robophm.transports.recordings.columns.mcap_definitions import connections_of
 from robophm.transports.signals.message_type import MessageType, message_type
 
-SUBPROTOCOLS = ("foxglove.sdk.v1", "foxglove.websocket.v1")
-"""Names of the protocol, the newer one first; they differ in nothing that is used here."""
-
-PORT = 8765
-"""Port of a server that names none, that of foxglove_bridge."""
+SERVER = Server("Foxglove server", "foxglove", 8765, ("foxglove.sdk.v1", "foxglove.websocket.v1"))
+"""The kind of server: its port is that of foxglove_bridge; the names of the protocol, the newer one first, differ in
+nothing that is used here."""
 
 PUBLISHED_ENCODINGS = ("cdr", "ros1")
 """Encodings in which messages are published, by what the server says that it takes."""
@@ -50,20 +47,6 @@ class Channel:
         schemas = {1: (self.schema_name, self.schema_encoding, self.schema)}
         (connection,) = connections_of(schemas, {self.id: (1, self.topic, self.encoding)})
         return message_type(connection)
-
-
-def address(text: str) -> str:
-    """Return the WebSocket address of ``foxglove`` or ``foxglove://host[:port]``. Raises SourceError for another."""
-    try:
-        parts = urlsplit(text if "://" in text else f"{text}://127.0.0.1")
-        host, port = parts.hostname, parts.port
-    except ValueError:
-        host, port, parts = None, None, urlsplit("")
-    if parts.scheme != "foxglove" or not host or parts.path.strip("/") or parts.query or parts.username:
-        raise SourceError(
-            f"'{text}' is not the address of a Foxglove server; expected e.g. foxglove://127.0.0.1:{PORT}"
-        )
-    return f"ws://{f'[{host}]' if ':' in host else host}:{port or PORT}"
 
 
 def channels_of(said: Any) -> list[Channel]:

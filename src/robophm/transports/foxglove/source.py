@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import threading
 import time
@@ -12,8 +13,15 @@ from itertools import count
 from typing import Any
 
 from robophm.core.errors import SourceError
-from robophm.transports.foxglove.connection import Connection
-from robophm.transports.foxglove.protocol import MOST_CHANNELS, PUBLISHED_ENCODINGS, Channel, address, channels_of, text
+from robophm.transports.foxglove.protocol import (
+    MOST_CHANNELS,
+    PUBLISHED_ENCODINGS,
+    SERVER,
+    Channel,
+    channels_of,
+    message_in,
+    text,
+)
 from robophm.transports.live.decoding import TopicDecoder
 from robophm.transports.live.pushed import Pushed
 from robophm.transports.live.receiving import (
@@ -28,6 +36,7 @@ from robophm.transports.live.receiving import (
     note_again,
     tick_of,
 )
+from robophm.transports.live.web_socket import WebSocket
 from robophm.transports.signals.incidents import Incidents, TypeRefusedError
 from robophm.transports.signals.message_type import numeric_fields
 from robophm.transports.signals.source import LiveItem, TopicInfo
@@ -55,7 +64,7 @@ class Foxglove(ListeningSource):
     """
 
     def __init__(self, place: str = "foxglove", *, queue: int = QUEUE, period: float = TICK) -> None:
-        self._address = address(place)
+        self._address = SERVER.address(place)
         self.fingerprint = uuid.uuid4().hex  # what is live is never the same twice
         self.notes = self._notes = Incidents()
         self._queue, self._tick = queue, tick_of(period)
@@ -66,7 +75,7 @@ class Foxglove(ListeningSource):
         self._taken: tuple[str, ...] = ()
         """Encodings of messages that the server takes from us; none where it takes none."""
         self._listening: _Listening | None = None
-        self.connection = Connection(self._address, self, self._notes)
+        self.connection = WebSocket(self._address, SERVER, self, self._notes)
         self.connection.start()
         self._born = time.monotonic()
 
@@ -87,8 +96,25 @@ class Foxglove(ListeningSource):
     def _settle(self) -> None:
         time.sleep(max(0.0, self._born + DISCOVERY_SECONDS - time.monotonic()))
 
-    def told(self, message: dict[str, Any]) -> None:
-        """Take a message of the protocol; called in the connection's thread."""
+    def take(self, frame: str | bytes) -> None:
+        """Take a frame; called in the connection's thread."""
+        if isinstance(frame, bytes):
+            if (message := message_in(frame)) and (listening := self._listening):
+                listening.hear(*message)
+            return
+        try:
+            said = json.loads(frame)
+        except (ValueError, RecursionError):
+            said = None
+        if isinstance(said, dict):
+            self._told(said)
+        else:
+            self.connection.notes.add("malformed message of the server")
+
+    def opened(self) -> None:
+        """Take it that there is a connection again: the server tells its channels by itself."""
+
+    def _told(self, message: dict[str, Any]) -> None:
         op = message.get("op")
         if op == "serverInfo":
             takes = "clientPublish" in _listed(message, "capabilities")
@@ -114,11 +140,6 @@ class Foxglove(ListeningSource):
             with self._lock:
                 if self._listening:
                     self._listening.refused(str(message.get("message"))[:LONGEST_STATUS])
-
-    def heard(self, subscription: int, raw: bytes) -> None:
-        """Take a message on a topic; called in the connection's thread."""
-        if listening := self._listening:
-            listening.hear(subscription, raw)
 
     def lost(self) -> None:
         """Take it that the server is gone, with all its channels; called in the connection's thread."""

@@ -7,6 +7,7 @@ import struct
 import time
 from collections.abc import Mapping
 
+from robophm.transports.live.kept_alive import keep_alive
 from robophm.transports.ros1.xmlrpc import CALL_SECONDS, call, receive
 from robophm.transports.signals.incidents import PeerError
 
@@ -91,11 +92,3 @@ def _exactly(connection: socket.socket, length: int, deadline: float) -> bytes:
     while len(received) < length:
         receive(connection, received, deadline, min(length - len(received), 1 << 16))
     return bytes(received)
-
-
-def keep_alive(connection: socket.socket) -> None:
-    """Have it noticed after half a minute that the machine at the other end is gone without a word."""
-    connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
-    for option, value in (("TCP_KEEPIDLE", 15), ("TCP_KEEPINTVL", 5), ("TCP_KEEPCNT", 3)):
-        if hasattr(socket, option):  # by other names, or not at all, outside Linux
-            connection.setsockopt(socket.IPPROTO_TCP, getattr(socket, option), value)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from base64 import b64decode
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import make_dataclass
 from keyword import iskeyword
@@ -29,6 +30,9 @@ Definitions = dict[str, Any]
 
 _MOST_BITS = 1023
 """Bits of a whole number, beyond which it may be none that a float can hold."""
+
+_BYTES = ("uint8", "byte", "char")
+"""Elements of arrays that JSON may have as one text in base64."""
 
 _NAME = re.compile(r"(?!__)[A-Za-z_][A-Za-z0-9_]*\Z")
 
@@ -102,6 +106,8 @@ class PlainMessages:
         if kind == Nodetype.BASE:
             return left.text(value) if detail[0] == "string" else _number(value)
         inner = detail[0]
+        if isinstance(value, str) and inner[0] == Nodetype.BASE and inner[1][0] in _BYTES:
+            return np.frombuffer(b64decode(value, validate=True), np.uint8)
         array = isinstance(value, Iterable) and not isinstance(value, str | bytes | Mapping)
         elements: Iterable[Any] = value if array else ()
         if inner[0] == Nodetype.BASE and inner[1][0] != "string":

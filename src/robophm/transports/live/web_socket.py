@@ -1,17 +1,17 @@
-"""The connection to a server, made anew when it is lost; all use of the websockets package."""
+"""A connection by WebSocket, made anew when it is lost; all use of the websockets package."""
 
 from __future__ import annotations
 
-import json
 import socket
 import threading
+from collections.abc import Sequence
 from contextlib import ExitStack, suppress
+from dataclasses import dataclass
 from typing import Any, Protocol
 from urllib.parse import urlsplit
 
 from robophm.core.errors import SourceError
-from robophm.transports.foxglove.protocol import SUBPROTOCOLS, message_in
-from robophm.transports.ros1.tcpros import keep_alive
+from robophm.transports.live.kept_alive import keep_alive
 from robophm.transports.signals.incidents import Incidents
 
 LONGEST_MESSAGE = 64 << 20
@@ -24,29 +24,55 @@ FIRST_WAIT, LONGEST_WAIT = 0.25, 10.0
 """Seconds before a lost connection is tried again: doubled with every failure."""
 
 
+@dataclass(frozen=True)
+class Server:
+    """A kind of server, and what it takes to speak to it."""
+
+    words: str
+    """Words for one, as in a sentence: ``Foxglove server``."""
+    extra: str
+    """The extra of robophm that brings what it takes, which is also the scheme of its addresses."""
+    port: int
+    """Port of a server that names none."""
+    subprotocols: Sequence[str] = ()
+
+    def address(self, text: str) -> str:
+        """Return the WebSocket address of ``scheme`` or ``scheme://host[:port]``. Raises SourceError for another."""
+        try:
+            parts = urlsplit(text if "://" in text else f"{text}://127.0.0.1")
+            host, port = parts.hostname, parts.port
+        except ValueError:
+            host, port, parts = None, None, urlsplit("")
+        if parts.scheme != self.extra or not host or parts.path.strip("/") or parts.query or parts.username:
+            raise SourceError(
+                f"'{text}' is not the address of a {self.words}; expected e.g. {self.extra}://127.0.0.1:{self.port}"
+            )
+        return f"ws://{f'[{host}]' if ':' in host else host}:{port or self.port}"
+
+
 class Listener(Protocol):
     """Takes what a connection hands on, in the connection's thread."""
 
-    def told(self, message: dict[str, Any]) -> None:
-        """Take a message of the protocol."""
-
-    def heard(self, subscription: int, raw: bytes) -> None:
-        """Take a message on a topic."""
+    def take(self, frame: str | bytes) -> None:
+        """Take a frame."""
 
     def lost(self) -> None:
         """Take it that the connection is lost, and with it all that the server told."""
 
+    def opened(self) -> None:
+        """Take it that there is a connection again."""
 
-class Connection(threading.Thread):
-    """A connection to a server of the Foxglove WebSocket protocol, kept until ``close``.
+
+class WebSocket(threading.Thread):
+    """A connection to a server, kept until ``close``.
 
     Raises SourceError where there is no server, or no websockets package.
     """
 
-    def __init__(self, address: str, listener: Listener, notes: Incidents) -> None:
-        super().__init__(name=f"foxglove {address}", daemon=True)
+    def __init__(self, address: str, server: Server, listener: Listener, notes: Incidents) -> None:
+        super().__init__(name=f"{server.extra} {address}", daemon=True)
         self.address, self.notes = address, notes
-        self._listener = listener
+        self._server, self._listener = server, listener
         self._over = threading.Event()
         self._opened = ExitStack()
         self._socket: Any = None
@@ -55,20 +81,22 @@ class Connection(threading.Thread):
     def _open(self) -> None:
         self._opened.close()
         where = urlsplit(self.address)
+        words, extra = self._server.words, self._server.extra
         try:
             from websockets.sync.client import connect
             from websockets.typing import Subprotocol
         except ImportError as error:
-            raise SourceError(f"a Foxglove server needs websockets ({error}): pip install robophm[foxglove]") from None
+            raise SourceError(f"a {words} needs websockets ({error}): pip install robophm[{extra}]") from None
         try:
             wire = self._opened.enter_context(socket.create_connection((where.hostname, where.port), OPEN_SECONDS))
             keep_alive(wire)  # in place of pings, which need a thread that outlives the connection
             self._socket = self._opened.enter_context(connect(
-                self.address, sock=wire, subprotocols=[*map(Subprotocol, SUBPROTOCOLS)], max_size=LONGEST_MESSAGE,
-                compression=None, open_timeout=OPEN_SECONDS, close_timeout=1.0, ping_interval=None, proxy=None,
+                self.address, sock=wire, subprotocols=[*map(Subprotocol, self._server.subprotocols)] or None,
+                max_size=LONGEST_MESSAGE, compression=None, open_timeout=OPEN_SECONDS, close_timeout=1.0,
+                ping_interval=None, proxy=None,
             ))  # fmt: skip
         except Exception as error:  # of the network, of HTTP, or of a server that speaks something else
-            raise SourceError(f"no Foxglove server at {self.address}: {error}") from None
+            raise SourceError(f"no {words} at {self.address}: {error}") from None
 
     def run(self) -> None:
         """Hand on what comes, and connect anew, until ``close``."""
@@ -77,7 +105,7 @@ class Connection(threading.Thread):
             try:
                 for frame in self._socket:
                     failures = 0
-                    self._take(frame)
+                    self._listener.take(frame)
             except Exception as error:  # a connection that breaks, in many ways
                 self.notes.add(f"server lost: {type(error).__name__}")
             if self._over.is_set():
@@ -88,21 +116,8 @@ class Connection(threading.Thread):
                 with suppress(SourceError):
                     self._open()
                     self.notes.add("server came back")
+                    self._listener.opened()
                     break
-
-    def _take(self, frame: str | bytes) -> None:
-        if isinstance(frame, bytes):
-            if message := message_in(frame):
-                self._listener.heard(*message)
-            return
-        try:
-            said = json.loads(frame)
-        except (ValueError, RecursionError):
-            said = None
-        if isinstance(said, dict):
-            self._listener.told(said)
-        else:
-            self.notes.add("malformed message of the server")
 
     @property
     def current(self) -> object:
