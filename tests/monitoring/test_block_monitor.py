@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,7 @@ from robophm.monitoring import block_monitor
 from robophm.monitoring.block_monitor import BlockMonitor
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay
+from robophm.monitoring.report_history import unheard
 from robophm.stores.memory import MemoryStore
 from robophm.transports.recordings.recording import Recording
 from robophm.transports.signals.source import SignalColumns
@@ -71,8 +72,9 @@ def shop(max_age: float, gap: float, stale: str, *, powered: bool) -> Robot:
 
 def stepwise(robot: Robot, arrivals: Arrivals, period: float, step: int) -> tuple[Monitor, list[Any]]:
     """Sample by sample; and its ledger after the first end of a period in every step, and after those that follow
-    until the robot is heard."""
+    until the robot is heard; and where that tells of none in a step, as it was heard last in it."""
     seen: list[Any] = []
+    rests = Rests(step, seen)
     before: int | None = None
     silent = False
 
@@ -80,15 +82,32 @@ def stepwise(robot: Robot, arrivals: Arrivals, period: float, step: int) -> tupl
         nonlocal before, silent
         now = monitor.ledger.integrated_to or 0
         if before is None or silent or now // step > before // step:
-            seen.append(kept(monitor))
+            seen.append(kept(monitor.ledger))
             on = monitor.ledger.last.get("/power.on", (0, (0.0,)))[1][0] > 0.5
             silent = monitor.ledger.heard is not None and now - monitor.ledger.heard > monitor.robot.max_gap and not on
         before = now
+        rests.tick(monitor)
 
-    monitor = Monitor(robot, period=period, on_tick=tick)
+    monitor = Monitor(robot, period=period, on_tick=tick, on_rest=rests)
     for _, sample in arrivals:
         monitor.observe(sample)
     return monitor, seen
+
+
+class Rests:
+    """Ledgers of where a robot was heard last, of steps of which none was seen."""
+
+    def __init__(self, step: int, seen: list[Any]) -> None:
+        self.step, self.seen, self.known = step, seen, -1
+
+    def tick(self, monitor: Monitor) -> None:
+        if not unheard(monitor.robot, monitor.ledger):
+            self.known = (monitor.ledger.integrated_to or 0) // self.step
+
+    def __call__(self, monitor: Monitor, heard: int, then: Callable[[], Ledger]) -> None:
+        if heard // self.step > self.known:
+            self.known = heard // self.step
+            self.seen.append(("rests", heard, kept(then())))
 
 
 def in_order(state: Any) -> Any:
@@ -96,8 +115,8 @@ def in_order(state: Any) -> Any:
     return {**state, "pending": sorted(state["pending"])}
 
 
-def kept(monitor: Monitor) -> Any:
-    state = monitor.ledger.to_json()
+def kept(ledger: Ledger) -> Any:
+    state = ledger.to_json()
     for name in ("newest", "pending", "counts"):  # what arrives with the sample that ends a period may be in or not
         del state[name]
     return json.dumps(state, sort_keys=True)
@@ -126,7 +145,13 @@ def by_columns(
     robot: Robot, arrivals: Arrivals, period: float, step: int, sizes: Sequence[int]
 ) -> tuple[Monitor, list[Any]]:
     seen: list[Any] = []
-    monitor = Monitor(robot, period=period, on_tick=lambda monitor: seen.append(kept(monitor)))
+    rests = Rests(step, seen)
+
+    def tick(monitor: Monitor) -> None:
+        seen.append(kept(monitor.ledger))
+        rests.tick(monitor)
+
+    monitor = Monitor(robot, period=period, on_tick=tick, on_rest=rests)
     life = BlockMonitor(monitor, step)
     for block in blocks(arrivals, sizes):
         life.observe(block)

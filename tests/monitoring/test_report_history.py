@@ -22,7 +22,7 @@ from robophm.design.file import load, parse
 from robophm.design.robot import Robot
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay
-from robophm.monitoring.report_history import ReportProcesses
+from robophm.monitoring.report_history import ReportHistory, ReportProcesses
 from robophm.stores.figures import STATES
 from robophm.stores.memory import MemoryStore
 from robophm.transports.synthetic import SyntheticOta
@@ -119,6 +119,40 @@ def test_no_morning_begins_with_the_last_values_of_the_day_before(tmp_path: Path
     assert rates[into < 300] == pytest.approx(8e-6, rel=1e-6)
     assert rates[into > 300] == pytest.approx(16 * 8e-6, rel=1e-6)
     assert min((into < 300).sum(), (into > 300).sum()) >= 12
+
+
+@pytest.mark.parametrize("read", ["at once", "one by one", "sample by sample"])
+def test_drives_shorter_than_a_minute_are_in_the_history(tmp_path: Path, read: str) -> None:
+    """Six of half a minute, an hour apart, each at 65 °C in the end: λ is 8 FPMH · 2⁴ there."""
+    drives = range(6)
+    for drive in drives:
+        rows = [(T0 // SECOND + drive * 3600 + t, 25 if t < 15 else 65) for t in range(7, 37, 3)]
+        text = "time,/motor.temperature\n" + "".join(f"{at},{value}\n" for at, value in rows)
+        (tmp_path / f"{drive}.csv").write_text(text)
+    store = MemoryStore()
+    robot = parse(MOTOR)
+    paths = sorted(tmp_path.glob("*.csv"))
+    if read == "one by one":
+        for path in paths:
+            replay(robot, [path], store=store)
+    elif read == "at once":
+        replay(robot, paths, store=store)
+    else:
+        course = ReportHistory(robot, 600 * SECOND, None, lambda _: ())
+        monitor = Monitor(robot, on_tick=course.follow, on_rest=course.rest)
+        for path in paths:
+            for line in path.read_text().splitlines()[1:]:
+                at, value = line.split(",")
+                monitor.observe(Sample(int(at) * SECOND, "/motor.temperature", float(value)))
+        course.end(monitor)
+        store.save("motor", monitor.ledger.to_json(), [], course.reports)
+    found = store.history("motor").figures()
+    assert [(at - T0) / SECOND for at in found.times] == [drive * 3600 + 34 for drive in drives]
+    assert found.of("hazard_rate.sensor_based")[1] == pytest.approx(16 * 8e-6, rel=1e-6)
+    assert set(found.of("state")[1]) == {STATES.index("ok")}
+    after = 60 if read == "sample by sample" else 0  # s that it is taken to be on, where no recording's end is known
+    operated = [27 * (drive + 1) + after * drive for drive in drives]
+    assert found.of("operating")[1] * 3600 == pytest.approx(operated, rel=1e-6)
 
 
 def test_a_robot_that_says_that_it_is_on_and_falls_silent_is_reported_on(tmp_path: Path) -> None:

@@ -86,7 +86,7 @@ def _observed(robot: Robot, recording: Path, events: Sequence[TrueEvent], every:
     (over,) = (event.time for event in events if event.what == "end")
     events = [event._replace(time=event.time + end - over) for event in events]
     told = [event for event in events if event.time <= end and _is_told(robot, event)]
-    history = ReportHistory(every, None, lambda ledger: seen_wear(robot, ledger), horizons=HORIZONS)
+    history = ReportHistory(robot, every, None, lambda ledger: seen_wear(robot, ledger), horizons=HORIZONS)
     monitor = Monitor(robot, on_tick=history.follow)
     with open_source(recording) as source:
         for sample in sorted(source.samples(list(robot.signals))):

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from robophm.core.signal import HOUR, NOT_FINITE, SECOND, Sample
 from robophm.health.clock_jumps import ClockJumps, why_not
-from robophm.health.window import Window
+from robophm.health.window import Window, parted
 from robophm.monitoring.monitor import WINDOW, Monitor
 from robophm.monitoring.report_history import unheard
 from robophm.transports.signals.source import SignalColumns
@@ -130,6 +130,9 @@ class BlockMonitor:
         ends: list[int] = []
         before = begun
         for end, arrived in self._ends(before, [*{id(heard.times): heard for heard in new.values()}.values()]):
+            if end - before > self.monitor.robot.max_gap and (self._unheard or end // self.step != before // self.step):
+                self._tell_rest(ends, end, arrived)
+                ends = []
             ends.append(end)
             if self.monitor.on_tick and (self._unheard or end // self.step != before // self.step):
                 self._integrate(ends)
@@ -227,13 +230,21 @@ class BlockMonitor:
             self._waiting[signal] = _once(heard.rows(slice(split, None)))
         self.monitor.exposure.integrate_columns(self.ledger, columns, ends)
 
+    def _tell_rest(self, ends: Sequence[int], until: int, arrived: int) -> None:
+        """Integrate to these ends, and tell where the robot rests before it is integrated until a further one."""
+        if ends:
+            self._integrate(ends)
+        self._count(arrived)
+        columns = {signal: (heard.times, heard.values) for signal, heard in self._waiting.items()}
+        self.monitor.tell_rest(until, parted(columns, until)[0])
+
     def _tick(self, arrived: int) -> None:
         if self.monitor.on_tick:
             self.arrived = arrived
             self._count(arrived)
             self._leave_open(arrived)
             self.monitor.on_tick(self.monitor)
-            self._unheard = unheard(self.monitor)
+            self._unheard = unheard(self.monitor.robot, self.ledger)
             self.ledger.pending = Window()
 
     def _count(self, arrived: int | None) -> None:

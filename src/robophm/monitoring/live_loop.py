@@ -112,13 +112,14 @@ class _Watch:
         if self.store and self.for_fleet:
             self.store.outboxes.of(self.robot.identity).begin()
         horizons = HORIZONS if self.for_fleet else ()
-        self._course = ReportHistory(REPORT_STEP, ledger, self._wear.latest, horizons=horizons)
+        self._course = ReportHistory(self.robot, REPORT_STEP, ledger, self._wear.latest, horizons=horizons)
         self._saved = time.monotonic()
         self._key = f"journal {self.journal.path.resolve()}" if self.journal else ""
         self._mixed = Counter(ledger.counts if ledger else ())
         self._ahead = LookAhead()
         self._clock = ClockSteps()
-        self._monitor = Monitor(self.robot, ledger, period=self.period, on_tick=self._tick)
+        resting = self._course.rest if self.store else None
+        self._monitor = Monitor(self.robot, ledger, period=self.period, on_tick=self._tick, on_rest=resting)
         self._tasks = LiveTasks(self._monitor, self._wear, speed=self.speed, functions=self.functions)
         self._silent = SilentSignals(self.robot.max_ages)
         self._unkept: Counter[str] = Counter()

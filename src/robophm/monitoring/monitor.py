@@ -63,8 +63,12 @@ class Monitor:
         *,
         period: float = 60.0,
         on_tick: Callable[[Monitor], None] | None = None,
+        on_rest: Callable[[Monitor, int, Callable[[], Ledger]], None] | None = None,
     ) -> None:
         """Start, or go on from a ledger. ``period`` [s] is the step of integration; ``on_tick`` follows each.
+
+        ``on_rest`` is called where a step ends more than ``max_gap`` after the last sample in it, before that step is
+        integrated: with the time [ns] of that sample, and a function that gives the ledger of then.
 
         Raises RobophmError where one of them is none.
         """
@@ -79,7 +83,7 @@ class Monitor:
         self.exposure = ExposureIntegrator(robot)
         self.ledger = ledger if ledger is not None else Ledger.new(robot)
         self.period = round(seconds * SECOND)
-        self.on_tick = on_tick
+        self.on_tick, self.on_rest = on_tick, on_rest
 
     def resume(self, begin: int) -> None:
         """Say that the next samples begin at this time [ns]: within ``max_gap`` they continue the recording before.
@@ -176,13 +180,21 @@ class Monitor:
         ready = ledger.pending.take(until)
         while self.marks and self.marks[0][0] <= until:
             mark, then = self.marks.pop(0)
-            then(self._at(mark, ready))
+            then(self.at(mark, ready))
+        self.tell_rest(until, ready)
         self.exposure.integrate_columns(ledger, ready, [until])
         if self.on_tick:
             self.on_tick(self)
 
-    def _at(self, time: int, ready: Columns) -> Ledger:
-        """The ledger of this time; the robot's own goes on in whole periods, as without marks."""
+    def tell_rest(self, until: int, ready: Columns) -> None:
+        """Call ``on_rest`` where the samples of a step until a time [ns] end more than ``max_gap`` before it."""
+        if self.on_rest:
+            heard = max((int(times.max()) for times, _ in ready.values() if len(times)), default=None)
+            if heard is not None and until - heard > self.robot.max_gap:
+                self.on_rest(self, heard, lambda: self.at(heard, ready))
+
+    def at(self, time: int, ready: Columns) -> Ledger:
+        """Return the ledger of a time [ns], of samples that are not integrated yet; the robot's own stays as it is."""
         ledger = self.ledger.copy()
         ledger.pending = Window()
         begun = ledger.started if ledger.integrated_to is None else ledger.integrated_to
@@ -194,7 +206,7 @@ class Monitor:
         """Do what the marks that are left ask for, none with a ledger later than the newest sample or the end."""
         if (now := self.ledger.known_to) is not None:
             for mark, then in self.marks:
-                then(self._at(min(mark, now), self.ledger.pending.columns()))
+                then(self.at(min(mark, now), self.ledger.pending.columns()))
         self.marks.clear()
 
     def report(

@@ -179,7 +179,7 @@ def _go_through(
         _not_before(run[0].session, ledger.integrated_to)
     position = begun.position
     decided |= Counter(session.lost)
-    course = ReportHistory(step, ledger, WearWatch(robot, GROWTH).renewed, processes)
+    course = ReportHistory(robot, step, ledger, WearWatch(robot, GROWTH).renewed, processes)
     saved = time.monotonic()
     left = [*run]  # the sessions that are not complete in the store, and the first
 
@@ -203,7 +203,8 @@ def _go_through(
         if on_tick:
             on_tick(monitor)
 
-    monitor = Monitor(robot, ledger, period=period, on_tick=tick if store or on_tick else None)
+    monitor = Monitor(robot, ledger, period=period, on_tick=tick if store or on_tick else None,
+                      on_rest=course.rest if store else None)  # fmt: skip
     life = BlockMonitor(monitor, step)
     with living(monitor, session, anew=not position) as source:
         if (blocks := source.columns(session.signals, position)) is not None:
@@ -217,6 +218,7 @@ def _go_through(
         for reason in [reason for reason in source.notes if reason.startswith(REORDERED)]:
             monitor.ledger.counts[reason] += source.notes.pop(reason)  # it qualifies what is in the ledger
     if store:
+        course.end(monitor)
         notes = decided + source.notes
         states = [Progress(one.session.key, position, True, notes if one is run[0] else {}) for one in left]
         if (ended := monitor.ledger.ended) is not None:

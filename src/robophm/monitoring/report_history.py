@@ -18,6 +18,7 @@ from robophm.core.json_values import plain
 from robophm.design.robot import Robot
 from robophm.health.failure_within import failure_within
 from robophm.health.ledger import Ledger
+from robophm.health.reporting import health_report
 from robophm.health.worn import SeenWear
 from robophm.monitoring.monitor import Monitor
 
@@ -27,8 +28,8 @@ _WAITING = 2
 """Ledgers that may wait for each process: what is beyond that the process that asks reports on itself."""
 
 
-def _report(monitor: Monitor, wear: Sequence[SeenWear], horizons: Sequence[float] = ()) -> Report:
-    health = monitor.report(remaining_life="robot", settled=False, wear=wear)
+def _report(monitor: Monitor, ledger: Ledger, wear: Sequence[SeenWear], horizons: Sequence[float] = ()) -> Report:
+    health = health_report(monitor.plant, monitor.exposure, ledger, wear=wear, remaining_life="robot")
     report = health.to_json(failures_to_come=False)
     return report | ({"failure_within": plain(failure_within(health, horizons))} if horizons else {})
 
@@ -66,28 +67,30 @@ class ReportProcesses:
         self._pool.shutdown(cancel_futures=True)
 
 
-def unheard(monitor: Monitor) -> bool:
+def unheard(robot: Robot, ledger: Ledger) -> bool:
     """Whether none of the robot's signals was heard for so long that it is off, as in the night that a sample ends.
 
     A report of then would be of the last values of the day before. One whose powered signal said last that it is on
     is not off: it has fallen silent.
     """
-    ledger = monitor.ledger
-    said = ledger.last.get(monitor.robot.powered or "")
-    if said is not None and said[1][0] > 0.5:
+    if _says_on(robot, ledger) or ledger.heard is None or ledger.integrated_to is None:
         return False
-    if ledger.heard is None or ledger.integrated_to is None:
-        return False
-    return ledger.integrated_to - ledger.heard > monitor.robot.max_gap
+    return ledger.integrated_to - ledger.heard > robot.max_gap
+
+
+def _says_on(robot: Robot, ledger: Ledger) -> bool:
+    said = ledger.last.get(robot.powered or "")
+    return said is not None and said[1][0] > 0.5
 
 
 class ReportHistory:
     """The reports of a robot's time that are to be kept: after the first tick, and after the first in every step in
-    which the robot is heard.
+    which the robot is heard; where there was none, as in a short drive, of the moment at which it was heard last.
     """
 
     def __init__(
         self,
+        robot: Robot,
         step: int,
         ledger: Ledger | None,
         wear: Callable[[Ledger], Sequence[SeenWear]],
@@ -99,7 +102,8 @@ class ReportHistory:
         self._made: list[Report] = []
         self._asked: list[Future[Report]] = []
         self._step, self._wear, self._processes, self._horizons = step, wear, processes, horizons
-        self._reported = ledger.integrated_to if ledger else None
+        self._reported = _reported(robot, ledger) if ledger else None
+        """A time [ns] in the latest step that has its report."""
 
     @property
     def reports(self) -> list[Report]:
@@ -115,16 +119,50 @@ class ReportHistory:
     def follow(self, monitor: Monitor) -> None:
         """Take a report where it is time to. Raises RobophmError where a process that makes some was killed."""
         now = monitor.ledger.integrated_to or 0
-        if unheard(monitor):
+        if unheard(monitor.robot, monitor.ledger):
             return
-        if self._reported is None or now // self._step > self._reported // self._step:
-            wear = self._wear(monitor.ledger)
-            asked = self._processes and self._processes.report(monitor.ledger, wear)
-            if not asked:
-                asked = Future()
-                asked.set_result(_report(monitor, wear, self._horizons))
-            self._asked.append(asked)
+        if self._is_due(now):
+            self._take(monitor, monitor.ledger)
         self._reported = now
+
+    def rest(self, monitor: Monitor, heard: int, then: Callable[[], Ledger]) -> None:
+        """Take a report of the moment at which a robot that rests since was heard last [ns], where its step has none.
+
+        ``then`` gives the ledger of that moment. One that says that it is on does not rest. Raises RobophmError as
+        ``follow``.
+        """
+        if self._is_due(heard) and not _says_on(monitor.robot, ledger := then()):
+            self._take(monitor, ledger)
+            self._reported = heard
+
+    def end(self, monitor: Monitor) -> None:
+        """Take the report of a recording at whose end the robot may rest for long. Raises RobophmError as ``follow``.
+
+        One that was followed until then has its own, or will where the next goes on.
+        """
+        ready = monitor.ledger.pending.columns()
+        heard = max((int(times.max()) for times, _ in ready.values() if len(times)), default=None)
+        if heard is not None and (self._reported is None or heard - self._reported > monitor.robot.max_gap):
+            self.rest(monitor, heard, lambda: monitor.at(heard, ready))
+
+    def _is_due(self, now: int) -> bool:
+        return self._reported is None or now // self._step > self._reported // self._step
+
+    def _take(self, monitor: Monitor, ledger: Ledger) -> None:
+        wear = self._wear(ledger)
+        asked = self._processes and self._processes.report(ledger, wear)
+        if not asked:
+            asked = Future()
+            asked.set_result(_report(monitor, ledger, wear, self._horizons))
+        self._asked.append(asked)
+
+
+def _reported(robot: Robot, ledger: Ledger) -> int | None:
+    """A time [ns] in the latest step of a kept past that has its report, as ``ReportHistory`` leaves it."""
+    to, newest = ledger.integrated_to, ledger.newest
+    if ledger.ended is not None and newest is not None and (to is None or newest - to > robot.max_gap):
+        return newest
+    return ledger.heard if unheard(robot, ledger) else to
 
 
 @contextmanager
@@ -172,5 +210,4 @@ def _begin(robot: bytes) -> None:
 
 def _report_of(ledger_and_wear: bytes) -> Report:
     assert _monitor
-    _monitor.ledger, wear = pickle.loads(ledger_and_wear)
-    return _report(_monitor, wear)
+    return _report(_monitor, *pickle.loads(ledger_and_wear))
