@@ -49,7 +49,7 @@ from robophm.report.words import duration_text, number_text, probability_text, r
 from robophm.stores import open_store
 from robophm.stores.alarm_log import AlarmsInMemory
 from robophm.stores.store import Store
-from robophm.transports.health_topics import HealthTopics, Outlet, PartReports, TaskService
+from robophm.transports.health_topics import HealthRecording, HealthTopics, Outlet, PartReports, TaskService
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.running_robot import Live as RunningRobot
 from robophm.transports.running_robot import open_live
@@ -88,15 +88,17 @@ class Watched:
     """Whether the robot may tell of its parts that they failed or were served."""
     fleet: str | None = None
     """The address at which a fleet takes the robot's reports."""
+    record: Path | None = None
+    """A new MCAP file that takes health as it is published."""
 
 
 def _only(asked: Watched) -> None:
     """Refuse what is not used for what is asked."""
     used = ["via", "store", "notify", "journal", "period", "every", "publish", "namespace", "tasks", "speed"]
-    used += ["function", "reports", "fleet"]
+    used += ["function", "reports", "fleet", "record"]
     if asked.as_json:
         refuse_unused("JSON, in 1/h", [*used, "frame"])
-    if not asked.publish:
+    if not asked.publish and not asked.record:
         refuse_unused("a robot whose health is not published", [*used, "unit"])
     if asked.reports and not asked.publish:
         raise RobophmError("reports of parts are taken where health is published; expected no --no-publish")
@@ -129,13 +131,14 @@ def command(
         bool, typer.Option("--reports", help="let anybody on ROS tell that parts failed or were served")
     ] = False,
     fleet: Fleet = None,
+    record: Annotated[Path | None, typer.Option(help="record health as it is published, in a new MCAP file")] = None,
     unit: Unit = "1/h",
     as_json: Json = False,
 ) -> None:
     """The health of a robot that runs, from ROS or MQTT and back to it, until it is interrupted."""
     asked = Watched(
         via, store, journal, period, every, namespace, publish, frame, tuple(tasks or ()), speed, tuple(function or ()),
-        tuple(notify or ()), unit, as_json, reports, fleet,
+        tuple(notify or ()), unit, as_json, reports, fleet, record,
     )  # fmt: skip
     if run(design, asked):
         raise typer.Exit(BREACHED)
@@ -182,6 +185,7 @@ def run(design: Path, asked: Watched) -> bool:
     """Listen until SIGINT or SIGTERM; return whether a threshold is breached at the end."""
     _only(asked)
     may_write(asked.journal, design, *files_of(asked.store))
+    may_write(asked.record, design, *files_of(asked.store), *([asked.journal] if asked.journal else []))
     robot = load(design)
     for name in asked.functions:
         robot.diagram_of(name)  # which must be there
@@ -203,6 +207,10 @@ def run(design: Path, asked: Watched) -> bool:
         written = stack.enter_context(Journal(asked.journal, robot.signals)) if asked.journal else None
         topics, assessor = _to_ros(robot, opened, asked)
         sinks = [stack.enter_context(topics)] if topics else []
+        if asked.record:
+            recording = HealthRecording(asked.record)
+            recorded = HealthTopics(robot, recording, namespace=asked.namespace, frame=asked.frame)
+            sinks.append(stack.enter_context(recorded))
 
         out = console()
         to_terminal = out.is_terminal and not asked.as_json

@@ -137,6 +137,20 @@ components: {motor: {rate: 0.01 /h, acceleration: {model: q10, reference_tempera
 """
 
 
+def recorded(path: Path) -> dict[str, tuple[str, list[Any]]]:
+    """The type of each topic in a recording, and its messages, as mcap-ros2-support decodes them by what is in it."""
+    from mcap.reader import make_reader
+    from mcap_ros2.decoder import DecoderFactory
+
+    found: dict[str, tuple[str, list[Any]]] = {}
+    with path.open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        for schema, channel, _, message in reader.iter_decoded_messages():
+            assert schema is not None
+            found.setdefault(channel.topic, (schema.name, []))[1].append(message)
+    return found
+
+
 def test_a_robot_is_watched_and_health_is_told_to_it(robot: Robot, tmp_path: Path) -> None:
     (tmp_path / "robot.yaml").write_text(DESIGN)
     robot.topics["/motor"] = "std_msgs/msg/Float64", "float64 data\n"
@@ -149,7 +163,8 @@ def test_a_robot_is_watched_and_health_is_told_to_it(robot: Robot, tmp_path: Pat
     speaking = threading.Thread(target=speak)
     speaking.start()
     process = subprocess.Popen(
-        [sys.executable, "-m", "robophm", "watch", "robot.yaml", "--via", robot.place, "--json", "--every", "1"],
+        [sys.executable, "-m", "robophm", "watch", "robot.yaml", "--via", robot.place, "--json", "--every", "1",
+         "--record", "health.mcap"],
         cwd=tmp_path, env=os.environ, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
     )  # fmt: skip
     try:
@@ -158,7 +173,7 @@ def test_a_robot_is_watched_and_health_is_told_to_it(robot: Robot, tmp_path: Pat
         within(40, lambda: any(one["op"] == "publish" and one["topic"] == "/diagnostics" for one in list(robot.asked)))
     finally:
         process.send_signal(signal.SIGINT)
-        _, warned = process.communicate(timeout=60)
+        said, warned = process.communicate(timeout=60)
         over.set()
         speaking.join()
     assert process.returncode == 0, warned
@@ -167,6 +182,14 @@ def test_a_robot_is_watched_and_health_is_told_to_it(robot: Robot, tmp_path: Pat
     types = {one["topic"]: one["type"] for one in robot.asked if one["op"] == "advertise"}
     told = next(one["msg"] for one in robot.asked if one["op"] == "publish" and one["topic"] == "/diagnostics")
     assert set(told["status"][0]) == {"level", "name", "message", "hardware_id", "values"}  # and no constants
+    kept = recorded(tmp_path / "health.mcap")
+    assert {topic: type_ for topic, (type_, _) in kept.items()}.items() <= types.items()
+    last = json.loads(said.splitlines()[-1])["subjects"][0]
+    assert 0 < kept["/phm/r"][1][-1].unreliability_sensor_based <= last["sensor_based"]["unreliability"]
+    assert {one.hazard_rate_sensor_based for one in kept["/phm/r"][1]} <= {
+        0.01,
+        report["subjects"][0]["sensor_based"]["hazard_rate"],
+    }
     assert types["/phm_hazard_rate"] == "phm_msgs/msg/HazardRate"
 
 

@@ -6,8 +6,11 @@ import signal
 import subprocess
 import sys
 
-FLAGS = ("period", "store", "journal", "frame", "speed", "via")
+FLAGS = ("period", "store", "journal", "record", "frame", "speed", "via", "fleet", "every", "unit")
 """Parameters that are options of ``robophm watch`` by the same name; empty is none."""
+
+LISTS = ("tasks", "function", "notify")
+"""Parameters that are lists, each entry an option of the same name."""
 
 
 def command(parameters, namespace="/"):
@@ -25,9 +28,10 @@ def command(parameters, namespace="/"):
             words += ["--" + name, str(value)]
     if parameters.get("reports"):
         words.append("--reports")
-    for topic in parameters.get("tasks") or ():
-        if topic:
-            words += ["--tasks", topic]
+    for name in LISTS:
+        for one in parameters.get(name) or ():
+            if one:
+                words += ["--" + name, one]
     return words
 
 
