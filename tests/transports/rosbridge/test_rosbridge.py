@@ -25,6 +25,8 @@ from robophm.transports.rosbridge import Node, Publisher, Rosbridge
 from robophm.transports.rosbridge.protocol import SERVER, topics_of
 from robophm.transports.running_robot import open_live
 from robophm.transports.signals.source import WholeMessage
+from robophm.transports.tasks.listener import TaskTopics
+from robophm.transports.tasks.told import PlannedTask
 
 from ..listener import Heard, within
 from .conftest import Robot
@@ -71,6 +73,20 @@ def test_goals_of_nav2_are_whole_messages_with_their_bytes(robot: Robot) -> None
         told = next(one for one in listened if isinstance(one, WholeMessage))
         (status,) = told.message.status_list
         assert (bytes(status.goal_info.goal_id.uuid), status.goal_info.stamp.nanosec) == (bytes(range(16)), 2)
+
+
+def test_a_plan_is_a_task(robot: Robot) -> None:
+    """What tells of tasks is known by its type: a path of 3 m and 4 m, there and back."""
+    robot.topics["/plan"] = "nav_msgs/Path", ""
+    with Rosbridge(robot.place) as source:
+        listened = source.listen((), ["/plan"])
+        within(8, lambda: robot.subscribers("/plan") == 1)
+        places = [{"pose": {"position": {"x": x, "y": y}}} for x, y in ((0, 0), (3, 4), (0, 0))]
+        robot.say("/plan", {"poses": places})
+        told = next(one for one in listened if isinstance(one, WholeMessage))
+        task = TaskTopics().hear(told.time, told.topic, told.message)
+        assert isinstance(task, PlannedTask)
+        assert sum(leg.distance for leg in task.legs) == pytest.approx(10.0)
 
 
 def test_a_server_that_is_started_anew_and_a_topic_of_another_type(robot: Robot) -> None:

@@ -90,7 +90,7 @@ def decoder(topic: Topic, signals: Collection[str]) -> JsonTopic:
 def _of_json(type_: MessageType) -> MessageType:
     """The same type, of which messages come as JSON."""
     definitions = {name: type_.definitions[name] for name in _reached(type_.definitions, type_.name)}
-    plain = PlainMessages(definitions, _value_of)
+    plain = PlainMessages(definitions, _value_of, of_ros=True)
 
     def decode(raw: bytes) -> Any:
         message = json.loads(raw)["msg"]
