@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,10 @@ import pytest
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
-from robophm.transports.rosbridge import Node, Publisher, Rosbridge
+from robophm.design.file import parse
+from robophm.monitoring.task_assessor import TaskAssessor
+from robophm.transports.health_topics import Outlet, TaskService
+from robophm.transports.rosbridge import Node, Publisher, Rosbridge, Service
 from robophm.transports.rosbridge.protocol import SERVER, topics_of
 from robophm.transports.running_robot import open_live
 from robophm.transports.signals.source import WholeMessage
@@ -143,6 +147,38 @@ def test_what_is_published_is_said_as_the_generation_of_ros_spells_it(
             publisher.publish(kinds["sensor_msgs/msg/Temperature"](stamp, "hot", 0.0))
         publisher.close()
         within(5, lambda: robot.asked[-1] == {"op": "unadvertise", "topic": "/health/warm"})
+
+
+SERIES = """
+schema_version: 1
+name: R
+thresholds: {completion: 0.9}
+components: {motor: {rate: 0.04 /h}, wheel: {rate: 0.06 /h}}
+"""
+
+
+@pytest.mark.parametrize("type_", ["std_msgs/Float64", "std_msgs/msg/Float64"])
+def test_a_robot_asks_before_it_goes(robot: Robot, type_: str) -> None:
+    """Six minutes a leg at 0.1 failures an hour: ten keep 0.9048, eleven do not."""
+    robot.topics["/any"] = type_, ""
+    with Rosbridge(robot.place) as source:
+        outlet = Outlet(source.generation, partial(Node, source), Publisher, Service)
+        TaskService(outlet, TaskAssessor(parse(SERIES)))
+        package = "phm_msgs" if source.generation == 1 else "phm_msgs/srv"
+        offered = {"op": "advertise_service", "service": "/phm/assess_task", "type": f"{package}/AssessTask"}
+        within(5, lambda: offered in robot.asked)
+        for number in (10, 11):
+            legs = [{"distance": 36, "speed": 0.1, "duration": 0, "functions": [], "stresses": [], "stress_values": []}]
+            told = robot.call("/phm/assess_task", {"legs": legs * number, "limit": 0, "draws": 0})
+            assert told["result"] is True
+            assert told["values"]["completion_nominal"] == pytest.approx(math.exp(-0.01 * number), rel=1e-14)
+            assert (told["values"]["go"], told["values"]["longest_prefix"]) == (number == 10, 10)
+        for odd in (None, [], {"legs": 7}, {"legs": [{"distance": "far"}]}):  # refused in words, and answered
+            told = robot.call("/phm/assess_task", odd)
+            assert told["values"]["refused"]
+            assert math.isnan(told["values"]["completion_nominal"])
+        outlet.close()
+        within(5, lambda: robot.asked[-1] == {"op": "unadvertise_service", "service": "/phm/assess_task"})
 
 
 DESIGN = """
