@@ -14,6 +14,7 @@ from mcap_ros2.decoder import DecoderFactory
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import parse
+from robophm.design.robot import Robot
 from robophm.monitoring.monitor import Monitor
 from robophm.transports.health_topics import HealthRecording, HealthTopics
 from robophm.transports.recordings.opening import open_source
@@ -21,9 +22,9 @@ from robophm.transports.recordings.opening import open_source
 ROBOT = parse("schema_version: 1\nname: R\ncomponents: {motor: {rate: 0.01 /h}, wheel: {rate: 0.02 /h}}\n")
 
 
-def publish(recording: HealthRecording, times: int) -> HealthTopics:
-    monitor = Monitor(ROBOT)
-    sink = HealthTopics(ROBOT, recording)
+def publish(recording: HealthRecording, times: int, robot: Robot = ROBOT) -> HealthTopics:
+    monitor = Monitor(robot)
+    sink = HealthTopics(robot, recording)
     for second in range(times):
         monitor.observe(Sample((1_700_000_000 + second) * SECOND, "clock", 0.0))
         sink.publish(monitor.report(remaining_life=False))
@@ -37,6 +38,20 @@ def test_what_is_published_is_in_the_file(tmp_path: Path) -> None:
         found = list(make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages("/phm/r"))
     assert [one.decoded_message.hazard_rate_nominal for one in found] == pytest.approx([0.03] * 3, rel=1e-15)
     assert [one.decoded_message.header.stamp.sec for one in found] == [1_700_000_000 + n for n in range(3)]
+
+
+def test_a_robot_whose_name_is_that_of_a_topic(tmp_path: Path) -> None:
+    """A robot called "Markers" has the next name that is free; its figures alone are beside it."""
+    robot = parse("schema_version: 1\nname: Markers\ncomponents: {motor: {rate: 0.01 /h}, wheel: {rate: 0.02 /h}}\n")
+    publish(HealthRecording(tmp_path / "h.mcap"), 3, robot).close()
+    with (tmp_path / "h.mcap").open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        types = {one.channel.topic: one.schema.name for one in reader.iter_decoded_messages() if one.schema}
+        file.seek(0)
+        rates = [one.decoded_message.data for one in reader.iter_decoded_messages("/phm/hazard_rate")]
+    assert types["/phm/markers_2"] == "phm_msgs/msg/Health"
+    assert types["/phm/markers"] == "visualization_msgs/msg/MarkerArray"
+    assert rates == pytest.approx([0.03] * 3, rel=1e-15)
 
 
 def test_a_name_that_is_taken_is_refused_and_left_as_it_is(tmp_path: Path) -> None:

@@ -242,6 +242,9 @@ def test_a_robot_is_watched_and_health_is_told_to_it(robot: Robot, tmp_path: Pat
         0.01,
         report["subjects"][0]["sensor_based"]["hazard_rate"],
     }
+    assert types["/phm/reliability"] == "std_msgs/msg/Float64"  # for tools that have no phm_msgs
+    for name in ("hazard_rate", "reliability"):
+        assert kept[f"/phm/{name}"][1][-1].data == getattr(kept["/phm/r"][1][-1], f"{name}_sensor_based")
     assert types["/phm_hazard_rate"] == "phm_msgs/msg/HazardRate"
 
 
