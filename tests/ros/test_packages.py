@@ -9,10 +9,12 @@ import shutil
 import subprocess
 import sys
 import threading
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 from ..transports.listener import within
 
@@ -70,6 +72,7 @@ def test_parameters_become_a_command() -> None:
         "/opt/x/robophm", "watch", "r", "--namespace", "/r2",
     ]  # fmt: skip
     assert command({"design": "r", "store": "past.db", "reports": True})[-3:] == ["--store", "past.db", "--reports"]
+    assert command({"design": "r", "robot": "amr_7"})[3:] == ["--robot", "amr_7"]
     for namespace, parameter, root in (("/amr_7/", "", "/amr_7"), ("/amr_7", "/hall", "/hall"), ("/", "", "/")):
         assert command({"design": "r", "namespace": parameter}, namespace)[4] == root
     with pytest.raises(ValueError, match="parameter 'design' is missing"):
@@ -101,8 +104,13 @@ def test_the_options_that_parameters_become_are_those_of_watch() -> None:
     from robophm.cli.app import app
 
     watch: Any = typer.main.get_command(app).get_command(None, "watch")  # type: ignore[attr-defined]
-    options = {option for parameter in watch.params for option in parameter.opts}
-    assert {f"--{flag}" for flag in ("namespace", "tasks", "reports", *module("command").FLAGS)} <= options
+    options = {option for parameter in watch.params for option in parameter.opts if option.startswith("--")}
+    parameters = {"namespace", "reports", *module("command").FLAGS, *module("command").LISTS}
+    # its output is for people, and a node publishes: else nothing were to be launched
+    assert options - {"--json", "--publish"} == {f"--{name}" for name in parameters}
+    for file in ("launch/robophm.launch", "launch/robophm.launch.py", "scripts/robophm_lifecycle"):
+        text = (ROS / "robophm_ros" / file).read_text()
+        assert [name for name in parameters if f'"{name}"' not in text] == []
 
 
 def test_roslaunch_reads_the_launch_file(tmp_path: Path) -> None:
@@ -112,6 +120,13 @@ def test_roslaunch_reads_the_launch_file(tmp_path: Path) -> None:
     environment = {**SYSTEM, "HOME": str(tmp_path), "ROS_HOME": str(tmp_path)}
     done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment, timeout=60)
     assert done.stdout.split() == ["/robophm"]
+    command[3:] = ["--dump-params", "design:=robot.yaml", "tasks:=[/plan, /odom]", "speed:=0.3 m/s"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment, timeout=60)
+    given = {name.removeprefix("/robophm/"): value for name, value in yaml.safe_load(done.stdout).items()}
+    words = module("command").command(given)
+    assert words[:3] == ["robophm", "watch", "robot.yaml"]
+    assert words[-4:] == ["--tasks", "/plan", "--tasks", "/odom"]
+    assert ("--speed", "0.3 m/s") in pairwise(words)
 
 
 def test_smach_states_drive_a_task_and_tell_of_it() -> None:

@@ -9,7 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, nullcontext
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from types import FrameType
@@ -49,7 +49,8 @@ from robophm.report.words import duration_text, number_text, probability_text, r
 from robophm.stores import open_store
 from robophm.stores.alarm_log import AlarmsInMemory
 from robophm.stores.store import Store
-from robophm.transports.health_topics import HealthTopics, Outlet, PartReports, TaskService
+from robophm.transports.health_topics import HealthRecording, HealthTopics, Outlet, PartReports, TaskService
+from robophm.transports.live.one_robot import OneRobot, namespace_of
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.running_robot import Live as RunningRobot
 from robophm.transports.running_robot import open_live
@@ -88,15 +89,19 @@ class Watched:
     """Whether the robot may tell of its parts that they failed or were served."""
     fleet: str | None = None
     """The address at which a fleet takes the robot's reports."""
+    record: Path | None = None
+    """A new MCAP file that takes health as it is published."""
+    robot: str | None = None
+    """The namespace below which one of several robots speaks, ``amr_7``, and its name."""
 
 
 def _only(asked: Watched) -> None:
     """Refuse what is not used for what is asked."""
     used = ["via", "store", "notify", "journal", "period", "every", "publish", "namespace", "tasks", "speed"]
-    used += ["function", "reports", "fleet"]
+    used += ["function", "reports", "fleet", "record", "robot"]
     if asked.as_json:
         refuse_unused("JSON, in 1/h", [*used, "frame"])
-    if not asked.publish:
+    if not asked.publish and not asked.record:
         refuse_unused("a robot whose health is not published", [*used, "unit"])
     if asked.reports and not asked.publish:
         raise RobophmError("reports of parts are taken where health is published; expected no --no-publish")
@@ -114,7 +119,12 @@ def command(
     ] = 1.0,
     every: Annotated[float, typer.Option(min=0.1, help="seconds between two lines, off a terminal")] = 10.0,
     publish: Annotated[bool, typer.Option(help="publish health as topics")] = True,
-    namespace: Annotated[str, typer.Option(help="of the topics that are published")] = "/",
+    robot: Annotated[
+        str | None, typer.Option(help="of several robots with this design, the one that speaks below this namespace")
+    ] = None,
+    namespace: Annotated[
+        str | None, typer.Option(help="of the topics that are published; default that of --robot, else /")
+    ] = None,
     frame: Annotated[str, typer.Option(help="where the markers for RViz stand")] = "base_link",
     tasks: Annotated[
         list[str] | None, typer.Option(help="topic or action that tells of tasks; default those known by name")
@@ -129,13 +139,15 @@ def command(
         bool, typer.Option("--reports", help="let anybody on ROS tell that parts failed or were served")
     ] = False,
     fleet: Fleet = None,
+    record: Annotated[Path | None, typer.Option(help="record health as it is published, in a new MCAP file")] = None,
     unit: Unit = "1/h",
     as_json: Json = False,
 ) -> None:
     """The health of a robot that runs, from ROS or MQTT and back to it, until it is interrupted."""
+    root = namespace or (namespace_of(robot) if robot else "/")
     asked = Watched(
-        via, store, journal, period, every, namespace, publish, frame, tuple(tasks or ()), speed, tuple(function or ()),
-        tuple(notify or ()), unit, as_json, reports, fleet,
+        via, store, journal, period, every, root, publish, frame, tuple(tasks or ()), speed, tuple(function or ()),
+        tuple(notify or ()), unit, as_json, reports, fleet, record, robot,
     )  # fmt: skip
     if run(design, asked):
         raise typer.Exit(BREACHED)
@@ -182,7 +194,10 @@ def run(design: Path, asked: Watched) -> bool:
     """Listen until SIGINT or SIGTERM; return whether a threshold is breached at the end."""
     _only(asked)
     may_write(asked.journal, design, *files_of(asked.store))
+    may_write(asked.record, design, *files_of(asked.store), *([asked.journal] if asked.journal else []))
     robot = load(design)
+    if asked.robot:
+        robot = replace(robot, path=namespace_of(asked.robot)[1:].replace("/", "_"))
     for name in asked.functions:
         robot.diagram_of(name)  # which must be there
     speed = stated_speed(asked.speed)
@@ -195,6 +210,8 @@ def run(design: Path, asked: Watched) -> bool:
         ends = stack.enter_context(_ended_by_signals())
         opened = open_live(asked.via, period=asked.period)
         source = stack.enter_context(opened.source)
+        if asked.robot:
+            source = OneRobot(source, asked.robot)
         ends += [source.stop, source.close]
         print(opened.said, file=sys.stderr)
         _say_what_is_missing(robot, source)
@@ -203,6 +220,10 @@ def run(design: Path, asked: Watched) -> bool:
         written = stack.enter_context(Journal(asked.journal, robot.signals)) if asked.journal else None
         topics, assessor = _to_ros(robot, opened, asked)
         sinks = [stack.enter_context(topics)] if topics else []
+        if asked.record:
+            recording = HealthRecording(asked.record)
+            recorded = HealthTopics(robot, recording, namespace=asked.namespace, frame=asked.frame)
+            sinks.append(stack.enter_context(recorded))
 
         out = console()
         to_terminal = out.is_terminal and not asked.as_json
@@ -212,8 +233,8 @@ def run(design: Path, asked: Watched) -> bool:
             gc.freeze()  # what is there now stays: not to be looked through again and again while the robot runs
             monitor = watch(
                 robot, source, store=kept, journal=written, period=asked.period, sinks=[*sinks, shown],
-                task_topics=topics_to_hear(asked.tasks, asked.namespace, source.task_topics), speed=speed,
-                functions=asked.functions, on_clock=warn, on_start=lambda _: supervisor.ready("watching"),
+                task_topics=topics_to_hear(asked.tasks, "" if asked.robot else asked.namespace, source.task_topics),
+                speed=speed, functions=asked.functions, on_clock=warn, on_start=lambda _: supervisor.ready("watching"),
                 on_tick=supervisor.alive, alarms=_alarms(robot, kept, [*sinks, shown], notices),
                 assessor=assessor, for_fleet=fleet is not None,
             )  # fmt: skip

@@ -111,7 +111,8 @@ def _rosbridge(place: str, period: float) -> Live:
     except SourceError:
         source.close()
         raise
-    return Live(source, system, "rosbridge", said, partial(rosbridge.Node, source), rosbridge.Publisher)
+    return Live(source, system, "rosbridge", said, partial(rosbridge.Node, source), rosbridge.Publisher,
+                rosbridge.Service)  # fmt: skip
 
 
 def _dds(reason: str, period: float) -> Live:

@@ -19,6 +19,8 @@ import pytest
 
 from robophm.transports.signals.source import LiveSource
 
+from ..listener import within
+
 
 class Robot:
     """A server, the topics of its robot and who has subscribed them; what clients say is in ``asked``."""
@@ -72,6 +74,17 @@ class Robot:
     def _unsubscribe(self, client: Any, said: dict[str, Any]) -> None:
         with self._lock:
             self._clients[client].pop((said["topic"], said["id"]), None)
+
+    def call(self, service: str, args: Any) -> dict[str, Any]:
+        """Call a service of a client as for a node of the robot; its response."""
+        number = f"service_request:{service}:{len(self.asked)}"
+        with self._lock:
+            (client,) = self._clients
+            client.send(json.dumps({"op": "call_service", "id": number, "service": service, "args": args}))
+        found: list[dict[str, Any]] = []
+        within(8, lambda: found.extend(one for one in list(self.asked) if one.get("id") == number) or found)
+        assert found[0]["op"] == "service_response"
+        return found[0]
 
     def subscribers(self, topic: str) -> int:
         with self._lock:

@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +22,15 @@ import pytest
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND
-from robophm.transports.rosbridge import Node, Publisher, Rosbridge
+from robophm.design.file import parse
+from robophm.monitoring.task_assessor import TaskAssessor
+from robophm.transports.health_topics import Outlet, TaskService
+from robophm.transports.rosbridge import Node, Publisher, Rosbridge, Service
 from robophm.transports.rosbridge.protocol import SERVER, topics_of
 from robophm.transports.running_robot import open_live
 from robophm.transports.signals.source import WholeMessage
+from robophm.transports.tasks.listener import TaskTopics
+from robophm.transports.tasks.told import PlannedTask
 
 from ..listener import Heard, within
 from .conftest import Robot
@@ -71,6 +77,20 @@ def test_goals_of_nav2_are_whole_messages_with_their_bytes(robot: Robot) -> None
         told = next(one for one in listened if isinstance(one, WholeMessage))
         (status,) = told.message.status_list
         assert (bytes(status.goal_info.goal_id.uuid), status.goal_info.stamp.nanosec) == (bytes(range(16)), 2)
+
+
+def test_a_plan_is_a_task(robot: Robot) -> None:
+    """What tells of tasks is known by its type: a path of 3 m and 4 m, there and back."""
+    robot.topics["/plan"] = "nav_msgs/Path", ""
+    with Rosbridge(robot.place) as source:
+        listened = source.listen((), ["/plan"])
+        within(8, lambda: robot.subscribers("/plan") == 1)
+        places = [{"pose": {"position": {"x": x, "y": y}}} for x, y in ((0, 0), (3, 4), (0, 0))]
+        robot.say("/plan", {"poses": places})
+        told = next(one for one in listened if isinstance(one, WholeMessage))
+        task = TaskTopics().hear(told.time, told.topic, told.message)
+        assert isinstance(task, PlannedTask)
+        assert sum(leg.distance for leg in task.legs) == pytest.approx(10.0)
 
 
 def test_a_server_that_is_started_anew_and_a_topic_of_another_type(robot: Robot) -> None:
@@ -129,12 +149,58 @@ def test_what_is_published_is_said_as_the_generation_of_ros_spells_it(
         within(5, lambda: robot.asked[-1] == {"op": "unadvertise", "topic": "/health/warm"})
 
 
+SERIES = """
+schema_version: 1
+name: R
+thresholds: {completion: 0.9}
+components: {motor: {rate: 0.04 /h}, wheel: {rate: 0.06 /h}}
+"""
+
+
+@pytest.mark.parametrize("type_", ["std_msgs/Float64", "std_msgs/msg/Float64"])
+def test_a_robot_asks_before_it_goes(robot: Robot, type_: str) -> None:
+    """Six minutes a leg at 0.1 failures an hour: ten keep 0.9048, eleven do not."""
+    robot.topics["/any"] = type_, ""
+    with Rosbridge(robot.place) as source:
+        outlet = Outlet(source.generation, partial(Node, source), Publisher, Service)
+        TaskService(outlet, TaskAssessor(parse(SERIES)))
+        package = "phm_msgs" if source.generation == 1 else "phm_msgs/srv"
+        offered = {"op": "advertise_service", "service": "/phm/assess_task", "type": f"{package}/AssessTask"}
+        within(5, lambda: offered in robot.asked)
+        for number in (10, 11):
+            legs = [{"distance": 36, "speed": 0.1, "duration": 0, "functions": [], "stresses": [], "stress_values": []}]
+            told = robot.call("/phm/assess_task", {"legs": legs * number, "limit": 0, "draws": 0})
+            assert told["result"] is True
+            assert told["values"]["completion_nominal"] == pytest.approx(math.exp(-0.01 * number), rel=1e-14)
+            assert (told["values"]["go"], told["values"]["longest_prefix"]) == (number == 10, 10)
+        for odd in (None, [], {"legs": 7}, {"legs": [{"distance": "far"}]}):  # refused in words, and answered
+            told = robot.call("/phm/assess_task", odd)
+            assert told["values"]["refused"]
+            assert math.isnan(told["values"]["completion_nominal"])
+        outlet.close()
+        within(5, lambda: robot.asked[-1] == {"op": "unadvertise_service", "service": "/phm/assess_task"})
+
+
 DESIGN = """
 schema_version: 1
 name: R
 signals: {temperature: {topic: /motor, field: data, unit: degC}}
 components: {motor: {rate: 0.01 /h, acceleration: {model: q10, reference_temperature: 25 degC}}}
 """
+
+
+def recorded(path: Path) -> dict[str, tuple[str, list[Any]]]:
+    """The type of each topic in a recording, and its messages, as mcap-ros2-support decodes them by what is in it."""
+    from mcap.reader import make_reader
+    from mcap_ros2.decoder import DecoderFactory
+
+    found: dict[str, tuple[str, list[Any]]] = {}
+    with path.open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        for schema, channel, _, message in reader.iter_decoded_messages():
+            assert schema is not None
+            found.setdefault(channel.topic, (schema.name, []))[1].append(message)
+    return found
 
 
 def test_a_robot_is_watched_and_health_is_told_to_it(robot: Robot, tmp_path: Path) -> None:
@@ -149,7 +215,8 @@ def test_a_robot_is_watched_and_health_is_told_to_it(robot: Robot, tmp_path: Pat
     speaking = threading.Thread(target=speak)
     speaking.start()
     process = subprocess.Popen(
-        [sys.executable, "-m", "robophm", "watch", "robot.yaml", "--via", robot.place, "--json", "--every", "1"],
+        [sys.executable, "-m", "robophm", "watch", "robot.yaml", "--via", robot.place, "--json", "--every", "1",
+         "--record", "health.mcap"],
         cwd=tmp_path, env=os.environ, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
     )  # fmt: skip
     try:
@@ -158,7 +225,7 @@ def test_a_robot_is_watched_and_health_is_told_to_it(robot: Robot, tmp_path: Pat
         within(40, lambda: any(one["op"] == "publish" and one["topic"] == "/diagnostics" for one in list(robot.asked)))
     finally:
         process.send_signal(signal.SIGINT)
-        _, warned = process.communicate(timeout=60)
+        said, warned = process.communicate(timeout=60)
         over.set()
         speaking.join()
     assert process.returncode == 0, warned
@@ -167,6 +234,17 @@ def test_a_robot_is_watched_and_health_is_told_to_it(robot: Robot, tmp_path: Pat
     types = {one["topic"]: one["type"] for one in robot.asked if one["op"] == "advertise"}
     told = next(one["msg"] for one in robot.asked if one["op"] == "publish" and one["topic"] == "/diagnostics")
     assert set(told["status"][0]) == {"level", "name", "message", "hardware_id", "values"}  # and no constants
+    kept = recorded(tmp_path / "health.mcap")
+    assert {topic: type_ for topic, (type_, _) in kept.items()}.items() <= types.items()
+    last = json.loads(said.splitlines()[-1])["subjects"][0]
+    assert 0 < kept["/phm/r"][1][-1].unreliability_sensor_based <= last["sensor_based"]["unreliability"]
+    assert {one.hazard_rate_sensor_based for one in kept["/phm/r"][1]} <= {
+        0.01,
+        report["subjects"][0]["sensor_based"]["hazard_rate"],
+    }
+    assert types["/phm/reliability"] == "std_msgs/msg/Float64"  # for tools that have no phm_msgs
+    for name in ("hazard_rate", "reliability"):
+        assert kept[f"/phm/{name}"][1][-1].data == getattr(kept["/phm/r"][1][-1], f"{name}_sensor_based")
     assert types["/phm_hazard_rate"] == "phm_msgs/msg/HazardRate"
 
 

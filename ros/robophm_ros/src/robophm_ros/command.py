@@ -6,8 +6,11 @@ import signal
 import subprocess
 import sys
 
-FLAGS = ("period", "store", "journal", "frame", "speed", "via")
+FLAGS = ("period", "store", "journal", "record", "frame", "speed", "via", "fleet", "every", "unit", "robot")
 """Parameters that are options of ``robophm watch`` by the same name; empty is none."""
+
+LISTS = ("tasks", "function", "notify")
+"""Parameters that are lists, each entry an option of the same name."""
 
 
 def command(parameters, namespace="/"):
@@ -18,16 +21,19 @@ def command(parameters, namespace="/"):
     if not parameters.get("design"):
         raise ValueError("parameter 'design' is missing; expected the path of a robot.yaml")
     words = [os.path.expanduser(parameters.get("robophm") or "robophm"), "watch", parameters["design"]]
-    words += ["--namespace", parameters.get("namespace") or namespace.rstrip("/") or "/"]
+    root = parameters.get("namespace") or namespace.rstrip("/")
+    if root or not parameters.get("robot"):  # whose namespace is where it is published then
+        words += ["--namespace", root or "/"]
     for name in FLAGS:
         value = parameters.get(name)
         if value not in (None, ""):
             words += ["--" + name, str(value)]
     if parameters.get("reports"):
         words.append("--reports")
-    for topic in parameters.get("tasks") or ():
-        if topic:
-            words += ["--tasks", topic]
+    for name in LISTS:
+        for one in parameters.get(name) or ():
+            if one:
+                words += ["--" + name, one]
     return words
 
 

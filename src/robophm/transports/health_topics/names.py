@@ -6,13 +6,13 @@ import re
 from collections.abc import Iterable
 
 
-def topics_of(paths: Iterable[str], root: str) -> dict[str, str]:
+def topics_of(paths: Iterable[str], root: str, others: Iterable[str] = ()) -> dict[str, str]:
     """Return a topic for each path: ``root/power/battery_control_board`` for ``Power/Battery Control Board``.
 
-    Paths that would have the same topic are numbered in their order.
+    Paths that would have the same topic, or one that is of ``others``, are numbered in their order.
     """
     found: dict[str, str] = {}
-    taken: set[str] = set()
+    taken = {*others}
     for path in paths:
         plain = "/".join([root, *map(_step, path.split("/"))])
         topic, number = plain, 1

@@ -36,6 +36,12 @@ WARNED_SECONDS = 10.0
 DIAGNOSTICS_EVERY = 1.0
 """Seconds between two messages on /diagnostics (REP-107)."""
 
+FIGURES = {
+    "hazard_rate": "hazard_rate_sensor_based", "reliability": "reliability_sensor_based",
+    "remaining_life": "remaining_life_median_sensor_based", "completion": "completion_sensor_based",
+}  # fmt: skip
+"""Fields of the robot's health that are also published alone, as std_msgs/Float64, which every tool knows."""
+
 LOG = {1: "rosgraph_msgs/msg/Log", 2: "rcl_interfaces/msg/Log"}
 """The type of /rosout, by generation of ROS."""
 
@@ -44,8 +50,8 @@ class HealthTopics(ReportSink):
     """Publishes a robot's health to ROS, below a namespace; a context manager.
 
     phm_hazard_rate, phm_reliability and phm_potc as the 2020 tool did, and health by phm_msgs/Health for the robot, and
-    each module and component; phm/task_predicted, phm/task_actual; phm/markers; /diagnostics; what was lost or refused
-    also on /rosout. All but /diagnostics are latched.
+    each module and component, of the robot FIGURES alone too; phm/task_predicted, phm/task_actual; phm/markers;
+    /diagnostics; what was lost or refused also on /rosout. All but /diagnostics are latched.
 
     Raises SourceError where the namespace is none.
     """
@@ -71,7 +77,9 @@ class HealthTopics(ReportSink):
         """The time when a note came last [s], by a clock that nobody sets."""
         paths = [robot.name, *(f"{robot.name}/{module.path}" for module in robot.all_modules())]
         paths += [f"{robot.name}/{part.path}" for part in robot.all_components()]
-        self._topics = dict(list(topics_of(paths, f"{self._root}/phm").items())[:MOST_TOPICS])
+        below = f"{self._root}/phm"
+        taken = [f"{below}/{name}" for name in (*FIGURES, "markers", "task_predicted", "task_actual")]
+        self._topics = dict(list(topics_of(paths, below, taken).items())[:MOST_TOPICS])
         self.left_out = len(paths) - len(self._topics)
         """Modules and components that have no topic."""
         self.unknown: dict[str, str] = {}
@@ -85,6 +93,8 @@ class HealthTopics(ReportSink):
                 self._open(COMPLETION_NODE, f"{self._root}/phm/task_{name}", f"{PACKAGE}/msg/TaskCompletion")
             for topic in self._topics.values():
                 self._open(HAZARD_RATE_NODE, topic, f"{PACKAGE}/msg/Health")
+            for name in FIGURES:
+                self._open(RELIABILITY_NODE, f"{self._root}/phm/{name}", "std_msgs/msg/Float64")
             self._open(HAZARD_RATE_NODE, f"{self._root}/phm/markers", "visualization_msgs/msg/MarkerArray")
             self._open(HAZARD_RATE_NODE, "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", latched=False)
             self._open(HAZARD_RATE_NODE, "/rosout", LOG[outlet.generation])
@@ -105,7 +115,10 @@ class HealthTopics(ReportSink):
         for one in report_fields.told_of(report):
             path = one.path if one is report.system else f"{report.robot}/{one.path}"
             if topic := self._topics.get(path):
-                self._send(topic, report_fields.health(report, one))
+                self._send(topic, fields := report_fields.health(report, one))
+                if one is report.system:
+                    for name, field in FIGURES.items():
+                        self._send(f"{self._root}/phm/{name}", {"data": fields[field]})
         self._send(f"{self._root}/phm/markers", report_fields.markers(report, self._frame))
         self._report = report
         self.repeat()

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
+from functools import partial
 from keyword import iskeyword
 from typing import Any
 
@@ -89,16 +90,21 @@ def decoder(topic: Topic, signals: Collection[str]) -> JsonTopic:
 
 def _of_json(type_: MessageType) -> MessageType:
     """The same type, of which messages come as JSON."""
-    definitions = {name: type_.definitions[name] for name in _reached(type_.definitions, type_.name)}
-    plain = PlainMessages(definitions, _value_of)
+    made = reader(type_)
 
     def decode(raw: bytes) -> Any:
         message = json.loads(raw)["msg"]
         if not isinstance(message, dict):
             raise ValueError("no object")
-        return plain.of(type_.name, message)
+        return made(message)
 
-    return replace(type_, definitions=definitions, encoding="json", decode=decode, store=None, bounded=True)
+    return replace(type_, encoding="json", decode=decode, store=None, bounded=True)
+
+
+def reader(type_: MessageType) -> Callable[[dict[str, Any]], Any]:
+    """Return what makes a message of this type of an object of JSON; what that lacks is empty, or NaN."""
+    definitions = {name: type_.definitions[name] for name in _reached(type_.definitions, type_.name)}
+    return partial(PlainMessages(definitions, _value_of, of_ros=True).of, type_.name)
 
 
 def _reached(definitions: Definitions, name: str) -> set[str]:

@@ -8,7 +8,7 @@ from robophm.transports.live.publishing import NodeOfConnection, bytes_of, refus
 from robophm.transports.ros1.definition import compiled, known_definition
 from robophm.transports.ros2_dds.definition import defined, known, ros2_name
 from robophm.transports.rosbridge.protocol import said, text
-from robophm.transports.rosbridge.source import Rosbridge
+from robophm.transports.rosbridge.source import Rosbridge, Served
 
 
 class Node(NodeOfConnection):
@@ -17,6 +17,18 @@ class Node(NodeOfConnection):
     def __init__(self, source: Rosbridge, name: str) -> None:
         super().__init__(name)
         self.source = source
+        self._services: list[Served] = []
+
+    def serve(self, service: Served) -> None:
+        """Have a service answered as long as the node is there. Raises SourceError where it is served already."""
+        self.source.serve(service)
+        self._services.append(service)
+
+    def close(self) -> None:
+        """Serve no longer; twice does no harm."""
+        for service in self._services:
+            self.source.served_no_longer(service)
+        self._services.clear()
 
 
 class Publisher:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import threading
 import time
 import uuid
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from itertools import count
 from queue import Empty, SimpleQueue
-from typing import Any, Literal
+from typing import Any, Literal, Protocol
 
 from robophm.core.errors import SourceError
 from robophm.transports.live.pushed import Pushed
@@ -49,6 +49,21 @@ MOST_STATUSES, LONGEST_STATUS = 20, 200
 """Different warnings of the server that are told in its words, and characters of one."""
 
 
+class Served(Protocol):
+    """A service that is answered here."""
+
+    name: str
+
+    def offer(self) -> None:
+        """Have the server offer it."""
+
+    def ask(self, call: Mapping[str, Any]) -> None:
+        """Have a call answered, in its turn; called in the connection's thread."""
+
+    def close(self) -> None:
+        """Answer no more."""
+
+
 class Rosbridge(ListeningSource):
     """Live topics of a robot behind rosbridge_server, of ROS 1 or 2; a context manager.
 
@@ -73,6 +88,7 @@ class Rosbridge(ListeningSource):
         self._fields: dict[Topic, tuple[str, ...]] = {}
         self._listening: _Listening | None = None
         self._statuses: set[str] = set()
+        self._services: dict[str, Served] = {}
         self.connection = WebSocket(self._address, SERVER, self, self._notes)
         self._lookout = _Lookout(self)
         self.connection.start()
@@ -101,6 +117,9 @@ class Rosbridge(ListeningSource):
         elif said.get("op") == "publish":
             if listening := self._listening:
                 listening.hear(said.get("topic"), frame.encode() if isinstance(frame, str) else frame)
+        elif said.get("op") == "call_service":
+            if isinstance(name := said.get("service"), str) and (service := self._services.get(name)):
+                service.ask(said)
         elif said.get("op") == "service_response":
             self._lookout.answered(said)
         elif said.get("op") == "status" and said.get("level") in ("warning", "error"):
@@ -120,7 +139,21 @@ class Rosbridge(ListeningSource):
 
     def opened(self) -> None:
         """Take it that the server is there again; called in the connection's thread."""
+        for service in list(self._services.values()):
+            service.offer()
         self._lookout.look_soon()
+
+    def serve(self, service: Served) -> None:
+        """Have calls of a service answered. Raises SourceError where it is served already."""
+        if service.name in self._services:
+            raise SourceError(f"{service.name} is served already")
+        self._services[service.name] = service
+        service.offer()
+
+    def served_no_longer(self, service: Served) -> None:
+        """Have calls of a service answered no more."""
+        if self._services.pop(service.name, None):
+            service.close()
 
     def seen(self, topics: dict[str, Topic]) -> None:
         """Take the topics that there are now."""

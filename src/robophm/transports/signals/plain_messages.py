@@ -73,12 +73,17 @@ class PlainMessages:
     A number that is not there, or none, is NaN, a text is empty, an array too; a message has all its fields so.
     """
 
-    def __init__(self, definitions: Definitions, value_of: Callable[[Any, str], Any]) -> None:
+    def __init__(self, definitions: Definitions, value_of: Callable[[Any, str], Any], *, of_ros: bool = False) -> None:
+        """``of_ros``: messages say their type as rosbags' do, ``__msgtype__``."""
         self._definitions = definitions
         self._value_of = value_of
         self._classes = {
             name: make_dataclass(
-                re.sub(r"\W", "_", name), [_attribute(field) for field, _ in fields], slots=True, eq=False
+                re.sub(r"\W", "_", name),
+                [_attribute(field) for field, _ in fields],
+                namespace={"__msgtype__": name} if of_ros else {},
+                slots=True,
+                eq=False,
             )
             for name, (_, fields) in definitions.items()
         }
