@@ -169,9 +169,14 @@ def test_names_that_are_not_there(tmp_path):
 
 def test_the_same_recording_twice_is_refused(tmp_path):
     path = drive_of(tmp_path / "drive.mcap", [1.0])
-    (tmp_path / "copy.mcap").write_bytes(path.read_bytes())
-    with pytest.raises(SourceError, match="are the same recording"):
+    drive_of(tmp_path / "alike.mcap", [2.0])  # another of the same size
+    assert (tmp_path / "alike.mcap").stat().st_size == path.stat().st_size
+    assert len(recordings([tmp_path])) == 2
+    (tmp_path / "last.mcap").write_bytes(path.read_bytes())
+    with pytest.raises(SourceError, match=r"drive.mcap and .*last.mcap are the same recording"):
         recordings([tmp_path])
+    with pytest.raises(SourceError, match="are the same recording"):
+        recordings([path, path])
 
 
 def test_a_cut_recording_is_read_as_far_as_it_is_whole(tmp_path):

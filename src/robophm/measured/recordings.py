@@ -79,21 +79,21 @@ def recordings(paths: Sequence[Path], *, together: bool = False) -> list[Recorde
 
     Raises SourceError where one is missing, none, or given twice.
     """
-    marks: dict[str, Path] = {}
+    twins = _Twins()
     found: list[Recorded] = []
     failed: list[SourceError] = []
     for asked_for, file in [(path, file) for path in map(existing, paths) for file in parts_of(path)]:
         try:
             with reading(file):
-                other = marks.setdefault(fingerprint_of(file), file)
-                if other is file:
+                other = twins.before(file)
+                if not other:
                     found.append(Recorded(str(file), (file,), topics_of(file)))
         except SourceError as error:
             if file == asked_for:
                 raise
             failed.append(error)  # of what was found in a folder it costs that alone
             continue
-        if other is not file:
+        if other:
             raise SourceError(f"{other} and {file} are the same recording; expected it once")
     if failed and not found:
         raise failed[0]
@@ -103,6 +103,30 @@ def recordings(paths: Sequence[Path], *, together: bool = False) -> list[Recorde
     topics = {topic: kind for one in reversed(found) for topic, kind in one.topics.items()}
     every = tuple(file for one in found for file in one.paths)
     return [Recorded(f"{found[0].name} …", every, dict(sorted(topics.items())), found[0].lost)]
+
+
+class _Twins:
+    """Files that are the same: of those that are alone with their size nothing is read to tell."""
+
+    def __init__(self) -> None:
+        self._alone: dict[int, Path | None] = {}
+        """The only file of each size; None where there were more."""
+        self._marks: dict[str, Path] = {}
+
+    def before(self, file: Path) -> Path | None:
+        """Return the file before that is the same as this one, if there is one."""
+        size = -1 if file.is_dir() else file.stat().st_size
+        if size not in self._alone:
+            self._alone[size] = file
+            return None
+        if first := self._alone[size]:
+            self._marks[fingerprint_of(first)] = first
+            self._alone[size] = None
+        mark = fingerprint_of(file)
+        if other := self._marks.get(mark):
+            return other
+        self._marks[mark] = file
+        return None
 
 
 def signal_of(name: str, found: Sequence[Recorded]) -> Signal:

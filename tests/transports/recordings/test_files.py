@@ -23,6 +23,14 @@ def test_recordings_as_named_and_those_in_folders_in_order(tmp_path: Path) -> No
     assert recordings_in([]) == ()
 
 
+def test_what_comes_by_a_pipe_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(SourceError, match=r"^-: recordings are not read from a pipe; expected what came out of it"):
+        recordings_in([Path("-")])
+    monkeypatch.chdir(tmp_path)
+    Path("-").touch()  # a file may have that name
+    assert recordings_in([Path("-")]) == (Path("-"),)
+
+
 def test_what_is_not_there_is_said_with_what_is(tmp_path: Path) -> None:
     (tmp_path / "run.mcap").touch()
     with pytest.raises(SourceError, match=r"rum.mcap: no such file; did you mean 'run.mcap'"):

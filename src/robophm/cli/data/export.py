@@ -35,5 +35,6 @@ def command(
         columns = {sought.name: sought.unit for sought in signals}
         print_json({"file": str(to), "rows": count, "columns": columns, "notes": said(notes)})
         return
-    console().print(f"Written: {to}, {count:,} rows of {len(signals)} signals", markup=False)
+    of = "signal" if len(signals) == 1 else "signals"
+    console().print(f"Written: {to}, {count:,} rows of {len(signals)} {of}", markup=False)
     warn_of(said(notes))

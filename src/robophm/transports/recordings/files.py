@@ -171,6 +171,8 @@ def existing(path: Path) -> Path:
     path = here(path)
     if path.exists():
         return path
+    if str(path) == "-":
+        raise SourceError("-: recordings are not read from a pipe; expected what came out of it, in a file")
     meant = suffixes() | {path.suffix.lower() or ".bag"}
     beside: Iterable[Path] = path.parent.iterdir() if path.parent.is_dir() else ()
     names = [one.name for one in beside if one.suffix.lower() in meant or _has_recordings(one)]

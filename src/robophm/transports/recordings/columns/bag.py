@@ -23,14 +23,15 @@ from robophm.transports.recordings.columns.bag_records import (
     CHUNK_INFO,
     CONNECTION,
     HEADER,
-    INDEX,
     MESSAGE,
+    Index,
     Record,
     belongs,
     chunk_info,
     connections_of,
     fields_of_header,
     fields_often,
+    index_at,
     record_at,
 )
 from robophm.transports.recordings.columns.chunk import Chunk, distinct
@@ -100,17 +101,26 @@ class BagFile(ChunkedFile):
         if not by:
             self._told, self._ends = {}, {}
         self._told |= {offset + by: counts for offset, counts in other._told.items()}
-        return [chunk._replace(offset=chunk.offset + by) for chunk in other.chunks]
+        self._ends |= {end + by: counts for end, counts in other._ends.items()}
+        return [
+            chunk._replace(
+                offset=chunk.offset + by,
+                start=chunk.end and chunk.start + by,
+                end=chunk.end and chunk.end + by,
+                indices=chunk.indices and dict.fromkeys(chunk.indices, chunk.end + by),
+            )
+            for chunk in other.chunks
+        ]
 
     def entries(self, chunk: Chunk, wanted: Collection[int]) -> dict[int, memoryview]:
         """Return the index of each of these connections that a chunk has, from the records behind it."""
         left = {connection for connection in chunk.indices or () if connection in wanted}
         counted = self._ends.get(chunk.end, {})
         found: dict[int, memoryview] = {}
-        for record in self._indices(chunk.end) if left else ():
-            connection = record.number(b"conn")
+        for index in self._indices(chunk.end) if left else ():
+            connection = index.connection
             if connection in left:
-                found[connection] = entries = self._entries(record)
+                found[connection] = entries = self._entries(index)
                 count = len(entries) // _INDEX.itemsize
                 if count != counted.get(connection, count):
                     raise DamageError("not as many as its chunk's info counts")
@@ -125,7 +135,7 @@ class BagFile(ChunkedFile):
         """Return when the messages of a chunk were received, as its index says."""
         if chunk.indices is None:
             raise DamageError("no index")
-        found = {record.number(b"conn"): self._entries(record) for record in self._indices(chunk.end)}
+        found = {index.connection: self._entries(index) for index in self._indices(chunk.end)}
         counted = self._ends.get(chunk.end, {})
         ends = [*accumulate((len(entries) // _INDEX.itemsize for entries in found.values()), initial=0)]
         alike = all(
@@ -136,11 +146,11 @@ class BagFile(ChunkedFile):
         times = _times(np.frombuffer(b"".join(found.values()), _INDEX))
         return {id_: times[at:end] for id_, (at, end) in zip(found, pairwise(ends), strict=True)}
 
-    def _entries(self, record: Record) -> memoryview:
+    def _entries(self, index: Index) -> memoryview:
         """The entries of an index record."""
-        if record.number(b"ver") != 1 or record.number(b"count") * _INDEX.itemsize != record.end - record.start:
+        if not index.sound:
             raise DamageError("damage")
-        return self.view(record.start, record.end)
+        return self.view(index.start, index.end)
 
     def located(
         self, content: Bytes, connection: int, index: NDArray[Any], begins: Ints | int, limits: Ints | int
@@ -227,14 +237,16 @@ class BagFile(ChunkedFile):
         self.need([(position, position + LONGEST_HEAD)])
         return record_at(self.content, position, self.size, fields_of=fields_often)
 
-    def _indices(self, position: int) -> Iterator[Record]:
+    def _indices(self, position: int) -> Iterator[Index]:
         """The index records that follow a chunk."""
+        content = self.content.data
         while position < self.size:
-            record = self._record(position)
-            if record.operation != INDEX:
+            self.need([(position, position + LONGEST_HEAD)])
+            index = index_at(content, position)
+            if not index:
                 return
-            yield record
-            position = record.end
+            yield index
+            position = index.end
 
     def _define(self, record: Record, content: Bytes) -> None:
         """Keep a connection; what was said first holds."""
@@ -320,7 +332,7 @@ class BagFile(ChunkedFile):
         """Whether a chunk's own index is of a connection that its info counts: else one of the two lies."""
         try:
             first = next(self._indices(chunk.end), None)
-            return first is None or first.number(b"conn") in counts
+            return first is None or first.connection in counts
         except DamageError:
             return False
 
@@ -386,10 +398,10 @@ class BagFile(ChunkedFile):
         times: list[int] = []
         connections = set()
         try:
-            for record in self._indices(chunk.end):
-                heard = _times(np.frombuffer(self._entries(record), _INDEX))
+            for index in self._indices(chunk.end):
+                heard = _times(np.frombuffer(self._entries(index), _INDEX))
                 times += [int(heard.min()), int(heard.max())] if len(heard) else []
-                connections.add(record.number(b"conn"))
+                connections.add(index.connection)
         except DamageError:
             connections.clear()
         if not connections or connections - self._defined.keys():

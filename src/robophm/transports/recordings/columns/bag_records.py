@@ -39,6 +39,9 @@ _LENGTH = struct.Struct("<I").unpack_from
 _TIME = struct.Struct("<II").unpack
 _VERSION, _CHUNK_INFO = b"\1\0\0\0", bytes([CHUNK_INFO])
 
+INDEX_ENTRY = 12
+"""Bytes of an entry of an index."""
+
 
 class Record(NamedTuple):
     """A record: what its header says, and where its data lies."""
@@ -87,6 +90,49 @@ def record_at(
     if len(operation) != 1:
         raise DamageError(f"a record without operation at byte {position}")
     return Record(operation[0], fields, behind + 4, end)
+
+
+class Index(NamedTuple):
+    """An index record behind a chunk: the connection that it is of, and where its entries lie."""
+
+    connection: int
+    start: int
+    end: int
+    sound: bool
+    """Whether it is of the version that is known, and as long as it says."""
+
+
+def index_at(content: memoryview, position: int) -> Index | None:
+    """The index record at this place of a file, None where another is; raises DamageError.
+
+    Of thousands of files each has a dozen, with few different headers.
+    """
+    last = len(content) - 4
+    behind = position + 4 + (_LENGTH(content, position)[0] if position <= last else 0)
+    if behind > last or behind - position > LONGEST_HEADER:
+        raise DamageError(f"no record at byte {position}")
+    end = behind + 4 + _LENGTH(content, behind)[0]
+    if end > len(content):
+        raise DamageError(f"a record beyond the end at byte {position}")
+    header = bytes(content[position + 4 : behind])
+    said = _index_lately(header) if len(header) <= _SHORT_HEADER else _index_of(header)
+    return said and Index(said[0], behind + 4, end, said[1] == end - behind - 4)
+
+
+def _index_of(header: bytes) -> tuple[int, int] | None:
+    """The connection and the bytes of entries that an index's header says, -1 of them where it is of another version.
+
+    Of any other record None; raises DamageError.
+    """
+    record = Record(INDEX, fields_of_header(header), 0, 0)
+    operation = record.fields.get(b"op", b"")
+    if len(operation) != 1:
+        raise DamageError("a record without operation")
+    if operation[0] != INDEX:
+        return None
+    version, count = (record.fields.get(name, b"") for name in (b"ver", b"count"))
+    known = int.from_bytes(version, "little") == 1 and len(count) in (4, 8)
+    return record.number(b"conn"), int.from_bytes(count, "little") * INDEX_ENTRY if known else -1
 
 
 def belongs(record: Record) -> bool:
@@ -143,6 +189,7 @@ _SHORT_HEADER = 64
 """Bytes of an index's header, and some more."""
 
 _fields_lately = lru_cache(maxsize=1024)(fields_of_header)
+_index_lately = lru_cache(maxsize=4096)(_index_of)
 
 
 @lru_cache(maxsize=64)

@@ -174,7 +174,8 @@ class ChunkedFile(MappedFile):
                         tell(told, messages.connection, messages.times)
         if any(one.offset in wrong and one.indices is not None for one in self.chunks):
             self.joins = False  # of whom such a chunk holds messages, no index says
-            self.chunks = [wrong.get(one.offset, one) for one in self.chunks]
+        placed = {chunk[:3]: chunk for chunk in chunks}  # which need not be looked for again
+        self.chunks = [wrong.get(one.offset) or placed.get(one[:3], one) for one in self.chunks]
         return told
 
     def _known(self) -> set[int]:

@@ -90,8 +90,8 @@ class Db3File(MappedFile, RowsFile):
         with suppress(DamageError):
             rows, lost = find_rows(Pages(self.content), known.messages, None)
             indexed = entries_of(content, known.timestamps) if known.timestamps else len(rows.times)
-            ids = [connection.id for connection in known.connections]
-            if is_whole(content) and not lost and indexed == len(rows.times) and np.isin(rows.topics, ids).all():
+            ids = {connection.id for connection in known.connections}
+            if is_whole(content) and not lost and indexed == len(rows.times) and ids.issuperset(rows.topics.tolist()):
                 self.connections, self._found, self.joins = known.connections, (rows, lost), True
                 return True
         return False

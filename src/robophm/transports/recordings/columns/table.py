@@ -25,6 +25,9 @@ COLUMNS = ("id", "topic_id", "timestamp", "data")
 _SMALLEST = 2 + 2 + 5
 """Bytes of a row: the place of its cell, size and number, and the types of four columns behind their length."""
 
+_LONGEST_HEAD = 7 * 2 + 2
+"""Bytes of a cell's head whose seven numbers have two bytes each, and a longer one's begin."""
+
 _INTERIOR, _LEAF = 5, 13
 _SIZES = np.array([0, 1, 2, 3, 4, 6, 8, 8, 0, 0, 0, 0])
 """Bytes of a number by its type; of text and blobs the type itself says it."""
@@ -89,13 +92,14 @@ class Pages:
         leaves, broken = [], 0
         pages = np.array([root])
         while len(pages):
-            there = np.unique(pages[(pages >= 2) & (pages <= self.count)])
-            new = there[~seen[there]]
-            seen[new] = True
+            there = np.zeros(self.count + 1, np.bool_)
+            there[pages[(pages >= 2) & (pages <= self.count)]] = True
+            new = np.flatnonzero(there & ~seen)
+            seen |= there
             kinds = self._kinds(new)
             leaves.append(new[kinds == _LEAF])
             inner = new[kinds == _INTERIOR]
-            broken += len(pages) - len(inner) - int((kinds == _LEAF).sum())
+            broken += len(pages) - len(inner) - len(leaves[-1])
             children = [self._children(page) for page in inner.tolist()]
             broken += sum(not whole for _, whole in children)
             pages = np.concatenate([found for found, _ in children]) if children else pages[:0]
@@ -185,7 +189,7 @@ def find_rows(pages: Pages, root: int, expected: int | None) -> Table:
         rows = _joined([rows, strays])
     if unsound:
         lost["rows that are no messages lost"] = unsound
-    if (np.diff(rows.numbers) <= 0).any():
+    if (rows.numbers[1:] <= rows.numbers[:-1]).any():
         numbers, first = np.unique(rows.numbers, return_index=True)  # of those found twice the first: the tree's
         if doubled := len(rows.numbers) - len(numbers):
             lost["rows that are there twice, of which the second is lost"] = doubled
@@ -206,6 +210,8 @@ def _of_leaves(pages: Pages, leaves: Ints) -> tuple[Rows, int]:
 
 
 def _joined(parts: list[Rows]) -> Rows:
+    if len(parts) == 1:
+        return parts[0]
     return Rows(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
@@ -219,10 +225,17 @@ def _rows(pages: Pages, begins: Ints) -> tuple[Rows, int]:
     limit = begin + usable
     sound = np.ones(len(begin), np.bool_)
 
+    cells = begin + everywhere(content, ">u2")[begin + 8 + 2 * number]
+    short = bool((cells + _LONGEST_HEAD <= limit).all())
+
     def varint(at: Ints) -> tuple[Ints, Ints]:
+        nonlocal short
+        if short and (found := _short_varint(content, at)):
+            return found
+        short = False  # those behind may lie further on than a head of short ones does
         return _varint(content, at, limit, sound)
 
-    payload, at = varint(begin + everywhere(content, ">u2")[begin + 8 + 2 * number])
+    payload, at = varint(cells)
     row, record = varint(at)
     header, at = varint(record)
     types = []
@@ -258,6 +271,20 @@ def _rows(pages: Pages, begins: Ints) -> tuple[Rows, int]:
     return rows, int(counts.sum()) - len(rows.numbers)
 
 
+def _short_varint(content: Bytes, at: Ints) -> tuple[Ints, Ints] | None:
+    """Numbers of one or two bytes, and the places behind them, as nearly all are; None where one is longer."""
+    first = content[at]
+    if not len(first) or first.max() < 0x80:
+        return first.astype(np.int64), at + 1
+    second = content[at + 1]
+    long = first >= 0x80
+    if (second[long] >= 0x80).any():
+        return None
+    value = first.astype(np.int64)
+    value[long] = ((value[long] & 0x7F) << 7) | second[long]
+    return value, at + 1 + long
+
+
 def _varint(content: Bytes, at: Ints, limit: Ints, sound: Flags) -> tuple[Ints, Ints]:
     """Numbers of one to eight bytes, seven bits in each, and the places behind them.
 
@@ -287,9 +314,9 @@ def _varint(content: Bytes, at: Ints, limit: Ints, sound: Flags) -> tuple[Ints, 
 def _integers(content: Bytes, at: Ints, types: Ints) -> Ints:
     """The integers of these types."""
     values = np.zeros(len(at), np.int64)
-    kinds: Any = types[:1] if (types == types[:1]).all() else np.unique(types)
+    kinds: Any = types[:1] if (types == types[:1]).all() else np.flatnonzero(np.bincount(types))
     for type_ in kinds.tolist():
-        rows: Any = types == type_ if len(kinds) > 1 else slice(None)
+        rows: Any = np.flatnonzero(types == type_) if len(kinds) > 1 else slice(None)
         if type_ in (8, 9):
             values[rows] = type_ - 8
             continue
