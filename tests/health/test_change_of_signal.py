@@ -97,5 +97,5 @@ def test_nothing_is_told_of_what_is_too_short_or_never_changes(values: list[floa
 
 def test_it_is_said_in_words() -> None:
     assert Change(START, -12.34, 50.0).words("degC") == (
-        "has been 12.3 degC lower since 2023-11-15 00:00:00 UTC, beyond all that it said before"
+        "has been 12.3 °C lower since 2023-11-15 00:00:00 UTC, beyond all that it said before"
     )

@@ -105,7 +105,7 @@ def test_one_that_leaves_its_neighbours_is_told_of_with_what_it_means(by: float)
     figures = report.system.sensor_based
     assert figures.hazard_rate == pytest.approx(sum(rates.values()) + right, rel=1e-12)  # nothing is corrected
     (note,) = report.notes
-    said = re.match(r"/right.c has been (\S+) degC", note)
+    said = re.match(r"/right.c has been (\S+) °C", note)
     assert said
     assert float(said[1]) == pytest.approx(25, abs=0.6)
     assert f"hazard rate {doubt.hazard_rate:.4g} /h in place of {figures.hazard_rate:.4g} /h" in note
@@ -161,7 +161,7 @@ def test_a_part_is_not_colder_than_its_surroundings(inside: float, told: bool) -
     assert len(report.doubts) == 2 * told
     if told:
         around, own = report.doubts
-        assert around.about.why == "reads 10 degC more than what is inside, /inside.c"
+        assert around.about.why == "reads 10 °C more than what is inside, /inside.c"
         assert (around.about.instead, own.about.instead) == (30.0, 40.0)
         rates = {one.path: one.sensor_based_hazard_rate for one in report.components}
         hotter = rates["drive/driver"] * 2  # 10 K more, by Q10
@@ -186,8 +186,8 @@ def test_of_two_that_part_it_may_be_either() -> None:
     fallen = with_more(FINE["right"], lambda hours: np.where(hours >= 240, -12.0, 0.0))
     left, right = lived(PAIR, 12, left=FINE["left"], right=fallen).doubts
     since = "since 2023-11-25 00:00:00 UTC, beyond all that it said before"
-    assert re.fullmatch(rf"has been 1[123].* degC higher {since}, against /right.c", left.about.why)
-    assert re.fullmatch(rf"has been 1[123].* degC lower {since}, against /left.c", right.about.why)
+    assert re.fullmatch(rf"has been 1[123].* °C higher {since}, against /right.c", left.about.why)
+    assert re.fullmatch(rf"has been 1[123].* °C lower {since}, against /left.c", right.about.why)
     assert (left.about.otherwise, right.about.otherwise) == ("if /right.c is right", "if /left.c is right")
     assert right.about.instead == pytest.approx(
         float(FINE["right"](np.arange(0, 288, EVERY / 3600))[-3:].mean()), abs=3
@@ -204,8 +204,8 @@ def test_two_sensors_of_one_air_are_not_far_apart(other: float, apart: bool) -> 
     board = robot(one=CAPACITOR, two=CAPACITOR | {"signals": signals})
     found = told(lived(board, 0.5, **steady(around=40.0, other=other)))
     expected = {
-        "/around.c": "reads 15 degC less than /other.c, which is in the same surroundings",
-        "/other.c": "reads 15 degC more than /around.c, which is in the same surroundings",
+        "/around.c": "reads 15 °C less than /other.c, which is in the same surroundings",
+        "/other.c": "reads 15 °C more than /around.c, which is in the same surroundings",
     }
     assert found == (expected if apart else {})
 
@@ -228,8 +228,8 @@ def test_a_winding_is_not_colder_than_its_case(winding: float, told_of: bool) ->
     parts = {name: motor(f"/{name}") for name in ("left_winding", "left_case", "right_winding")}
     found = told(lived(robot(**parts), 0.5, **steady(left_winding=winding, left_case=50.0, right_winding=20.0)))
     expected = {
-        "/left_winding.c": "reads 10 degC less than what is around it, /left_case.c",
-        "/left_case.c": "reads 10 degC more than what is inside, /left_winding.c",
+        "/left_winding.c": "reads 10 °C less than what is around it, /left_case.c",
+        "/left_case.c": "reads 10 °C more than what is inside, /left_winding.c",
     }
     assert found == (expected if told_of else {})
 

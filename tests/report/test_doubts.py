@@ -39,7 +39,7 @@ def test_the_signal_and_what_would_fit_are_drawn(lived):
     _, report = lived
     (doubt,) = report.doubts
     (drawn,) = doubts_drawn(report.doubts)
-    assert "degC higher since 2023-11-23 08:00:00 UTC" in drawn  # 200 h on
+    assert "°C higher since 2023-11-23 08:00:00 UTC" in drawn  # 200 h on
     assert "if the others are right, the dashed line" in drawn
     hours = (doubt.about.ends - START) / HOUR
     assert np.allclose(doubt.about.means[hours <= JUMP], 42, atol=2)

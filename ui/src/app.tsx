@@ -1,7 +1,7 @@
 import { Component, type ReactNode, useEffect, useState } from "react";
 import { useAsking, useHealth } from "./lib/health";
-import { connected, pulse } from "./lib/live";
-import { go, own, redo, route, save, undo, unreachable, useDesign, useShared } from "./lib/store";
+import { pulse } from "./lib/live";
+import { go, own, preferences, redo, route, save, undo, useDesign, useShared } from "./lib/store";
 import { Help } from "./parts/Help";
 import { Icon, State } from "./parts/Icon";
 import { OnlyFor } from "./parts/OnlyFor";
@@ -10,8 +10,11 @@ import { Palette } from "./parts/Palette";
 import { PastButton } from "./parts/Past";
 import { ProblemsButton } from "./parts/Problems";
 import { Toasts } from "./parts/Toasts";
+import { MONITORING } from "./parts/Watching";
 import { User } from "./parts/User";
+import { Unreachable } from "./parts/Unreachable";
 import { PAGES } from "./pages";
+import { useTitle } from "./lib/title";
 
 /** One page that fails does not take the others with it. */
 class Fence extends Component<{ children: ReactNode; of: string }, { wrong: string }> {
@@ -29,21 +32,6 @@ class Fence extends Component<{ children: ReactNode; of: string }, { wrong: stri
       </div>
     );
   }
-}
-
-const MONITORING: Record<string, string> = { running: "Watching", failed: "Watching failed", stopped: "Stopped, not watched", ended: "Recording over" };
-
-/** What is not well, and that nothing is watched any more, stands first in the title, and is the icon, of a tab that nobody looks at. */
-function useTitle(page: string, name: string | undefined): void {
-  const { health } = useHealth();
-  const { monitoring } = useShared(pulse);
-  const state = health?.state ?? "idle";
-  useEffect(() => {
-    const alarming = ["error", "warn", "stale"].filter((one) => one === state);
-    const said = [...alarming, ...(monitoring === "stopped" ? ["stopped"] : [])];
-    document.title = `${said.length ? `${said.join(", ").toUpperCase()} – ` : ""}${page} – ${name ?? "robophm"}`;
-    document.querySelector("link[rel=icon]")?.setAttribute("href", said.length ? `./icon-${said[0]}.svg` : "./icon.svg");
-  }, [state, monitoring, page, name]);
 }
 
 function Top({ openPalette, openHelp }: { openPalette: () => void; openHelp: () => void }): ReactNode {
@@ -100,9 +88,8 @@ function Top({ openPalette, openHelp }: { openPalette: () => void; openHelp: () 
 export function App(): ReactNode {
   useAsking();
   const { page } = useShared(route);
-  const link = useShared(connected);
+  const { times } = useShared(preferences);
   const { outside: changedOutside } = useShared(pulse);
-  const wrong = useShared(unreachable);
   const design = useDesign();
   const [palette, setPalette] = useState(false);
   const [help, setHelp] = useState(false);
@@ -149,19 +136,14 @@ export function App(): ReactNode {
         ))}
       </nav>
       <main id="main" tabIndex={-1} className={shown.flush ? "flush" : ""}>
-        {(wrong || link === "lost") && (
-          <div className="trouble" role="alert">
-            <strong>The service does not answer.</strong> What you see may be old; the page tries again by itself. Is
-            <code> robophm serve</code> still running?
-          </div>
-        )}
+        <Unreachable />
         {changedOutside && (
           <div className="trouble" role="alert">
             <strong>{design?.file} was changed by hand</strong> while there are edits here that are not saved, or it is no
             design as it stands. Nothing is lost: <button onClick={() => void save()}>See what was changed</button>
           </div>
         )}
-        <Fence of={shown.id} key={shown.id}>
+        <Fence of={shown.id} key={`${shown.id} ${times}`}>
           {design ? <Show /> : <p className="quiet">Loading the design…</p>}
         </Fence>
       </main>

@@ -2,14 +2,17 @@ import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { App } from "./app";
 import { live } from "./lib/live";
-import { applyTheme, refresh } from "./lib/store";
+import { applyPreferences, refresh } from "./lib/store";
 import "./style.css";
 
-applyTheme();
+applyPreferences();
 void refresh();
 live.connect();
-createRoot(document.getElementById("page")!).render(
-  <StrictMode>
-    <App />
-  </StrictMode>,
+const show = location.pathname.endsWith("/wall") ? import("./Wall").then((found) => found.default) : Promise.resolve(App);
+void show.then((Shown) =>
+  createRoot(document.getElementById("page")!).render(
+    <StrictMode>
+      <Shown />
+    </StrictMode>,
+  ),
 );

@@ -43,6 +43,8 @@ class Wishes:
     key: Path | None = None
     proxies: Sequence[str] = ()
     """Addresses of reverse proxies that are believed when they say who asks."""
+    embed: Sequence[str] = ()
+    """Origins of pages inside which the wall may be shown."""
     fleet: str | None = None
     """The address at which a fleet takes the robot's reports."""
 
@@ -76,10 +78,18 @@ def command(
         list[str] | None,
         typer.Option(help="address of a reverse proxy that logs people in, and is believed", metavar="ADDRESS"),
     ] = None,
+    embed: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="show the wall, /wall, inside pages of this origin, e.g. http://10.0.0.5:3000; several",
+            metavar="ORIGIN",
+        ),
+    ] = None,
 ) -> None:
     """The page: design a robot, bind its sensors and watch its health, in any browser."""
-    run(design, Wishes(host, port, store, journal, tuple(recordings or ()), synthetic, start, speed,
-                       no_store, tuple(notify or ()), certificate, key, tuple(proxy or ()), fleet))  # fmt: skip
+    proxies, origins = tuple(proxy or ()), tuple(embed or ())
+    run(design, Wishes(host, port, store, journal, tuple(recordings or ()), synthetic, start, speed, no_store,
+                       tuple(notify or ()), certificate, key, proxies, origins, fleet))  # fmt: skip
 
 
 def own_store(design: Path) -> str | None:
@@ -101,7 +111,7 @@ def run(design: Path, wishes: Wishes) -> None:
     """Serve the page until interrupted. Raises RobophmError."""
     if wishes.start is None:
         used = ("design", "host", "port", "store", "no_store", "journal", "recordings", "synthetic", "notify",
-                "certificate", "key", "proxy", "fleet")  # fmt: skip
+                "certificate", "key", "proxy", "embed", "fleet")  # fmt: skip
         refuse_unused("a page on which nothing is watched at once (--start)", used)
     from robophm.transports.recordings.files import recordings_in
 
@@ -120,7 +130,7 @@ def run(design: Path, wishes: Wishes) -> None:
     settings = Settings(
         design, wishes.store or own, wishes.journal, recordings_in(wishes.recordings), 1 if wishes.synthetic else None,
         wishes.host, tuple(wishes.proxies), wishes.certificate, wishes.key, own_store=own is not None,
-        notify=tuple(wishes.notify), for_fleet=wishes.fleet is not None,
+        notify=tuple(wishes.notify), embed=tuple(wishes.embed), for_fleet=wishes.fleet is not None,
     )  # fmt: skip
     fleet = fleet_address(wishes.fleet, wishes.store or own) if wishes.fleet else None
     sends = ExitStack()

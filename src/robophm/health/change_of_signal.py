@@ -44,7 +44,7 @@ class Change(NamedTuple):
 
     def words(self, unit: str) -> str:
         """Say what changed, without a subject."""
-        size, up = f"{abs(self.by):.3g} {unit}".rstrip(), self.by > 0
+        size, up = f"{abs(self.by):.3g} {unit.replace('degC', '°C')}".rstrip(), self.by > 0
         if self.drift:
             return f"has {'risen' if up else 'fallen'} by {size} little by little since {moment(self.since)}"
         way = "higher" if up else "lower"

@@ -81,7 +81,7 @@ def against_heat_flow(
 
 
 def _colder(inside: _Place, outside: _Place, inner: str, outer: str) -> Iterator[Contradiction]:
-    less, right = f"{outside.reading - inside.reading:.3g} degC", "if {} is right".format
+    less, right = f"{outside.reading - inside.reading:.3g} °C", "if {} is right".format
     yield Contradiction(
         inside.key, f"reads {less} less than what is around it, {outer}", right(outer), outside.reading + inside.rise
     )
@@ -92,7 +92,7 @@ def _colder(inside: _Place, outside: _Place, inner: str, outer: str) -> Iterator
 
 def _apart(one: _Place, other: _Place, signal: str) -> Contradiction:
     by = one.reading - other.reading
-    why = f"reads {abs(by):.3g} degC {'more' if by > 0 else 'less'} than {signal}, which is in the same surroundings"
+    why = f"reads {abs(by):.3g} °C {'more' if by > 0 else 'less'} than {signal}, which is in the same surroundings"
     return Contradiction(one.key, why, f"if {signal} is right", other.reading + one.rise)
 
 

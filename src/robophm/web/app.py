@@ -12,7 +12,7 @@ from typing import Any
 
 from fastapi import APIRouter, FastAPI, Request
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import JSONResponse
+from fastapi.responses import FileResponse, JSONResponse
 from fastapi.routing import APIRoute
 from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
@@ -24,7 +24,7 @@ from robophm.core.registry import load_plug, plugs
 from robophm.design.located_error import LocatedError
 from robophm.web import routes
 from robophm.web.access.roles import role_of
-from robophm.web.guard import Guard
+from robophm.web.guard import Guard, policy_within
 from robophm.web.service import Service, Settings
 from robophm.web.shapes import Trouble
 from robophm.web.workspace import OutsideError, StaleError
@@ -60,6 +60,8 @@ def create_app(settings: Settings) -> FastAPI:
     app = api(lifespan=lifespan)
     app.state.service, app.state.visitors = service, service.visitors
     if (STATIC / "index.html").is_file():
+        policy = {"content-security-policy": policy_within(settings.embed)}
+        app.add_api_route("/wall", lambda: FileResponse(STATIC / "index.html", headers=policy), include_in_schema=False)
         app.mount("/", StaticFiles(directory=STATIC, html=True), name="page")
     else:
         app.add_api_route("/", _unbuilt, include_in_schema=False)

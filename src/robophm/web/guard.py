@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 import time
 from collections.abc import Sequence
 from urllib.parse import urlsplit
@@ -17,6 +18,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.routing import BaseRoute
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from robophm.core.errors import RobophmError
 from robophm.web.access.changes import CHANGE, Change
 from robophm.web.access.login_page import HEADERS, login_page
 from robophm.web.access.proxies import is_loopback
@@ -39,8 +41,26 @@ SECURITY = {
     "cross-origin-opener-policy": "same-origin",
     "cross-origin-resource-policy": "same-origin",
 }
+
 REPORT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
 """Content security policy of a stand-alone report, whose style is within."""
+
+ORIGIN = re.compile(r"https?://[A-Za-z0-9.-]+(:[0-9]{1,5})?|https?://\[[0-9a-fA-F:]+\](:[0-9]{1,5})?")
+"""The origin of a page: scheme, host and port."""
+
+
+def policy_within(origins: Sequence[str]) -> str:
+    """Return the content security policy of a page that may be shown inside others, of these origins.
+
+    Raises RobophmError where one of them is no origin, as ``https://grafana.example``.
+    """
+    for origin in origins:
+        if not ORIGIN.fullmatch(origin):
+            raise RobophmError(
+                f"{origin}: expected the origin of a page, as https://grafana.example or http://10.0.0.5:3000"
+            )
+    allowed = " ".join(["'self'", *origins]) if origins else "'none'"
+    return SECURITY["content-security-policy"].replace("frame-ancestors 'none'", f"frame-ancestors {allowed}")
 
 
 class Guard:

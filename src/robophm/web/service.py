@@ -77,6 +77,8 @@ class Settings:
     """Whether the store is this robot's alone, as one beside its design is: recordings that are played do not count."""
     notify: tuple[str, ...] = ()
     """Addresses that are told of alarms."""
+    embed: tuple[str, ...] = ()
+    """Origins of pages inside which the wall may be shown."""
     for_fleet: bool = False
     """Whether the robot's reports go into the outbox of its store, to be sent to a fleet."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import time
+from datetime import UTC, datetime, timedelta
 
 import pytest
 
@@ -108,3 +109,23 @@ def test_whether_it_was_honest_is_one_click_from_the_overview(visit, tmp_path):
         card.get_by_text("Nothing speaks against what was promised: 1.8 promised, 1 noted").wait_for()
         card.get_by_text("; 1 of others are not counted").wait_for()
         assert look.serious() == []
+
+
+def test_moments_are_local_where_that_is_wished(visit, lived):
+    """Kolkata is 5 h 30 min ahead of UTC, all year; marks of an axis stand at its hours."""
+    look = visit(lived, timezone_id="Asia/Kolkata")
+    page = look.open("settings")
+    page.get_by_label("Dates and times").select_option("local")
+    page = look.open("history")
+    begin = min(one["time"] for one in lived.get("/api/history")["events"] if one["kind"] == "breach")
+    said = datetime.fromtimestamp(begin, UTC) + timedelta(hours=5, minutes=30)
+    page.get_by_role("button", name=f"{said:%Y-%m-%d %H:%M:%S} UTC+5:30").first.wait_for()
+    page.get_by_role("button", name="1 day").click()
+    page.get_by_text("each point one report").wait_for()
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Hazard rate as SVG").click()
+    picture = download.value.path().read_text()
+    assert "time, UTC+5:30" in picture
+    marks = re.findall(r">(\d\d:\d\d)</text>", picture)
+    assert len(marks) >= 2
+    assert {mark[3:] for mark in marks} == {"00"}

@@ -1,5 +1,6 @@
 """Each page with a robot, without one, and with a design that is not complete; nothing serious for axe-core."""
 
+import re
 import time
 
 import pytest
@@ -135,6 +136,31 @@ def test_a_page_whose_service_ends_says_so_and_comes_back(tmp_path, visit):
         page.get_by_role("heading", name="express").wait_for()
     page.get_by_text("The service does not answer.").wait_for()
     look.wrong.clear()  # the browser reports that it could not connect
+
+
+def test_what_if_of_several_changes(tmp_path, visit):
+    """Two motors at 8 FPMH and an encoder at 2: at 4 and 1, half of that; what is redundant does not fail yet."""
+    design = tmp_path / "courier.yaml"
+    design.write_text(SMALL)
+    with serving(design) as served:
+        page = visit(served).open("analysis")
+        page.get_by_role("tab", name="What if").click()
+        for part, rate in (("drive/motor", "4 FPMH"), ("drive/encoder", "1 FPMH")):
+            page.get_by_label("What if this part").select_option(part)
+            page.get_by_label("Rate of one").fill(rate)
+            page.get_by_role("button", name="And also…").click()
+        page.get_by_role("list", name="Changes that are compared together").get_by_text("drive/motor").wait_for()
+        page.get_by_role("button", name="Compare").click()
+        row = page.get_by_role("row")
+        row.filter(has_text=re.compile("^nominal9e-6 /h")).wait_for()
+        row.filter(has_text=re.compile("^nominal, baseline1.8e-5 /h")).wait_for()
+        page.get_by_role("button", name="Leave out: drive/encoder: a rate of 1 FPMH").click()
+        page.get_by_role("button", name="Compare").click()
+        row.filter(has_text=re.compile("^nominal1e-5 /h")).wait_for()
+        page.get_by_role("button", name="Make it so").click()
+        page.get_by_text("courier.yaml, not saved").wait_for()
+        parts = served.get("/api/design")["document"]["modules"]["drive"]["components"]
+        assert [parts[one]["rate"] for one in ("motor", "encoder")] == ["4 FPMH", "2 FPMH"]
 
 
 def test_a_table_taken_along_holds_no_formula(tmp_path, visit):

@@ -296,6 +296,8 @@ def test_a_plot_is_taken_along_with_what_it_says(tmp_path, visit):
         look = visit(served)
         page = look.open("live")
         page.get_by_text("Recording over").wait_for()
+        wait_for_title(page, f"RECORDING OVER – Live – {served.get('/api/design')['name']}")
+        assert page.locator("link[rel=icon]").get_attribute("href") == "./icon-stopped.svg"
         page.get_by_label("Window").select_option("3600")
 
         def taken(kind):

@@ -1,7 +1,7 @@
 // What all pages share: the design, preferences, toasts. Each is a value with listeners.
 import { useSyncExternalStore } from "react";
 import { type DesignState, get, type Operation, type Outside, post, put, Refused, type Shapes } from "./api";
-import type { RateUnit } from "./words";
+import { type RateUnit, sayLocalTimes } from "./words";
 
 export class Shared<T> {
   private listeners = new Set<() => void>();
@@ -48,12 +48,14 @@ export function sayError(error: unknown): void {
 export interface Preferences {
   unit: RateUnit;
   theme: "auto" | "light" | "dark";
+  /** Of which clock moments are. */
+  times: "utc" | "local";
   /** As whom alarms are acknowledged. */
   name: string;
 }
 
 function stored(): Preferences {
-  const plain: Preferences = { unit: "1/h", theme: "auto", name: "" };
+  const plain: Preferences = { unit: "1/h", theme: "auto", times: "utc", name: "" };
   try {
     return { ...plain, ...(JSON.parse(localStorage.getItem("robophm") ?? "{}") as Partial<Preferences>) };
   } catch {
@@ -71,11 +73,12 @@ export function prefer(change: Partial<Preferences>): void {
   } catch {
     /* a private window keeps nothing */
   }
-  applyTheme();
+  applyPreferences();
 }
 
-export function applyTheme(): void {
-  const { theme } = preferences.get();
+export function applyPreferences(): void {
+  const { theme, times } = preferences.get();
+  sayLocalTimes(times === "local");
   if (theme === "auto") delete document.documentElement.dataset.theme;
   else document.documentElement.dataset.theme = theme;
 }

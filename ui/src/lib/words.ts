@@ -94,9 +94,28 @@ export function secondsText(seconds: Value): string {
   return seconds == null ? "never heard" : seconds < 0.5 ? "now" : `${durationText(seconds / 3600)} ago`;
 }
 
+let local = false;
+
+/** Have moments in the time of the browser's place, or in UTC. */
+export function sayLocalTimes(wanted: boolean): void {
+  local = wanted;
+}
+
+/** How far the browser's place is ahead of UTC at a time [s since the epoch], in seconds; 0 where moments are in UTC. */
+export function ahead(seconds: number): number {
+  return local ? -60 * new Date(seconds * 1000).getTimezoneOffset() : 0;
+}
+
+/** What moments are in: "UTC", "UTC+2", "UTC−3:30". */
+export function zoneText(seconds: number): string {
+  const minutes = Math.round(Math.abs(ahead(seconds)) / 60);
+  if (!minutes) return "UTC";
+  return `UTC${ahead(seconds) < 0 ? "−" : "+"}${Math.floor(minutes / 60)}${minutes % 60 ? `:${String(minutes % 60).padStart(2, "0")}` : ""}`;
+}
+
 export function momentText(seconds: Value): string {
   if (seconds == null) return "–";
-  return new Date(seconds * 1000).toISOString().replace("T", " ").slice(0, 19) + " UTC";
+  return `${new Date((seconds + ahead(seconds)) * 1000).toISOString().replace("T", " ").slice(0, 19)} ${zoneText(seconds)}`;
 }
 
 export function lastStep(path: string): string {

@@ -103,7 +103,7 @@ export default function History(): ReactNode {
       </label>
       <div className="two" style={{ margin: "12px 0 16px" }}>
         {plots.map((one) => (
-          <Plot key={one.title} {...one} xLabel="time, UTC" time marks={marks} at={at} zoomTo={(low, high) => setSpan([low, high])} pick={setAt} empty="Not known of this time." />
+          <Plot key={one.title} {...one} xLabel="time" time marks={marks} at={at} zoomTo={(low, high) => setSpan([low, high])} pick={setAt} empty="Not known of this time." />
         ))}
       </div>
       <div className="stack">

@@ -103,13 +103,13 @@ export default function Live(): ReactNode {
       </div>
       {leftOut && <p className="small">{leftOut.sentence}.</p>}
       <div className="two">
-        <Plot key={`rate ${seconds}`} title="Hazard rate" limits={limit(own("hazard_rate"), (value) => value * RATE_UNITS[unit].factor)} curves={rates} xLabel="time of the samples, UTC" yLabel={`λ [${unit}] of operation`} time empty={empty} />
-        <Plot key={`survival ${seconds}`} title={log ? "Probability of having failed since new" : "Reliability"} limits={limit(own("reliability"), (value) => (log ? 1 - value : value))} curves={survival} xLabel="time of the samples, UTC" yLabel={log ? "1 − R(t)" : "R(t), survival since new"} time log={log} empty={empty} />
+        <Plot key={`rate ${seconds}`} title="Hazard rate" limits={limit(own("hazard_rate"), (value) => value * RATE_UNITS[unit].factor)} curves={rates} xLabel="time of the samples" yLabel={`λ [${unit}] of operation`} time empty={empty} />
+        <Plot key={`survival ${seconds}`} title={log ? "Probability of having failed since new" : "Reliability"} limits={limit(own("reliability"), (value) => (log ? 1 - value : value))} curves={survival} xLabel="time of the samples" yLabel={log ? "1 − R(t)" : "R(t), survival since new"} time log={log} empty={empty} />
         {chance.some((one) => one.x.length) && (
-          <Plot key={`task ${seconds}`} title="Probability of completing the task" limits={limit(own("completion"))} curves={chance} xLabel="time of the samples, UTC" yLabel="PoTC, given that it works now" time />
+          <Plot key={`task ${seconds}`} title="Probability of completing the task" limits={limit(own("completion"))} curves={chance} xLabel="time of the samples" yLabel="PoTC, given that it works now" time />
         )}
         {groups.map((group) => (
-          <Plot key={`${group.unit} ${seconds}`} title={`Sensors${group.unit ? ` in ${unitText(group.unit)}` : ""}`} limits={limit(group.curves.map((one) => one.name))} curves={group.curves} gaps={group.gaps} xLabel="time of the samples, UTC" yLabel={group.unit ? `[${unitText(group.unit)}]` : ""} time empty={empty} />
+          <Plot key={`${group.unit} ${seconds}`} title={`Sensors${group.unit ? ` in ${unitText(group.unit)}` : ""}`} limits={limit(group.curves.map((one) => one.name))} curves={group.curves} gaps={group.gaps} xLabel="time of the samples" yLabel={group.unit ? `[${unitText(group.unit)}]` : ""} time empty={empty} />
         ))}
       </div>
       {!signals.length && design.valid && (

@@ -227,11 +227,11 @@ function ArrivedTable({ tasks, add }: { tasks: Shapes["ArrivedTask"][]; add: (ta
   return (
     <Table
       label="Arrived tasks"
-      columns={["Arrived, UTC", ["Predicted way and time", "number"], ["Predicted PoTC", "number"], ["Actual way and time", "number"], ["Actual PoTC", "number"], ["Add", "spoken"]]}
+      columns={["Arrived", ["Predicted way and time", "number"], ["Predicted PoTC", "number"], ["Actual way and time", "number"], ["Actual PoTC", "number"], ["Add", "spoken"]]}
     >
       {tasks.slice(0, 100).map((one, i) => (
         <tr key={i}>
-          <th scope="row" className="moment">{momentText(one.arrived ?? one.start).replace(" UTC", "")}</th>
+          <th scope="row" className="moment">{momentText(one.arrived ?? one.start)}</th>
           <td className="number">{one.predicted ? `${numberText(one.predicted.distance)} m, ${durationText(one.predicted.duration)}` : "–"}</td>
           <td className="number">{both(one.predicted)}</td>
           <td className="number">{one.actual ? `${numberText(one.actual.distance)} m, ${durationText(one.actual.duration)}` : one.end == null ? "under way" : "–"}</td>

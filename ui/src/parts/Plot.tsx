@@ -4,8 +4,8 @@ import uPlot, { type AlignedData } from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { csvOf, offer, pngOf, svgOf } from "../lib/exports";
 import { preferences, useShared } from "../lib/store";
-import { TIME_STEPS, timeText } from "../lib/ticks";
-import { momentText, numberText } from "../lib/words";
+import { TIME_STEPS, tickTimes, timeText } from "../lib/ticks";
+import { momentText, numberText, zoneText } from "../lib/words";
 
 export interface Curve {
   name: string;
@@ -67,7 +67,8 @@ function joined(curves: Curve[], log: boolean): AlignedData {
   return uPlot.join(curves.map((one) => [one.x, sound(one.y)] as AlignedData));
 }
 
-export function Plot({ title, curves, xLabel, yLabel, time, log = false, height = 230, gaps, limits, band, marks, at, zoomTo, pick, empty, children }: PlotProps): ReactNode {
+export function Plot({ title, curves, xLabel: over, yLabel, time, log = false, height = 230, gaps, limits, band, marks, at, zoomTo, pick, empty, children }: PlotProps): ReactNode {
+  const xLabel = time ? `${over}, ${zoneText(Math.max(0, ...curves.map((one) => one.x.at(-1) ?? 0)))}` : over;
   const box = useRef<HTMLDivElement>(null);
   const under = useRef<HTMLSpanElement>(null);
   const plot = useRef<uPlot | null>(null);
@@ -103,7 +104,7 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
         scales: { x: { time: false, range: (_, low, high) => (low < high ? [low, high] : [low - 30, high + 30]) }, y: log ? { distr: 3 } : { range: (_, low, high) => spread(low, high) } },
         axes: [
           time
-            ? { ...axis, incrs: TIME_STEPS, values: (_, ticks, _axis, _space, step) => ticks.map((tick) => timeText(tick, step)), space: 72 }
+            ? { ...axis, incrs: TIME_STEPS, splits: (_u, _axis, low, high, step) => tickTimes(low, high, step), values: (_, ticks, _axis, _space, step) => ticks.map((tick) => timeText(tick, step)), space: 72 }
             : { ...axis, values: (_, ticks) => ticks.map((tick) => numberText(tick, 6)), space: 60 },
           { ...axis, size: 74, values: (_, ticks) => ticks.map((tick) => (tick == null ? "" : numberText(tick, log ? 2 : 7))) },
         ],
@@ -224,7 +225,7 @@ export function Plot({ title, curves, xLabel, yLabel, time, log = false, height 
           {xLabel} <span ref={under} className="under" />
         </span>
         {zoomed && <button onClick={reset}>Whole range</button>}
-        <button disabled={!some} onClick={() => offer(`${title}.csv`, "text/csv", csvOf(visible(), xLabel, time))} aria-label={`${title} as CSV, the visible range`}>
+        <button disabled={!some} onClick={() => offer(`${title}.csv`, "text/csv", csvOf(visible(), time ? `${over}, UTC` : over, time))} aria-label={`${title} as CSV, the visible range`}>
           CSV
         </button>
         <button disabled={!some} onClick={() => offer(`${title}.svg`, "image/svg+xml", svgOf(visible(), { title, xLabel, yLabel, log, time, limits }))} aria-label={`${title} as SVG`}>

@@ -4,6 +4,9 @@ import { pulse } from "../lib/live";
 import { sayError, useDesign, useShared } from "../lib/store";
 import { OnlyFor } from "./OnlyFor";
 
+/** What the service does with the robot, in words. */
+export const MONITORING: Record<string, string> = { running: "Watching", failed: "Watching failed", stopped: "Stopped, not watched", ended: "Recording over" };
+
 /** Start and stop of monitoring. It runs in the service, whether a browser looks or not. */
 export function Watching(): ReactNode {
   const { monitoring } = useShared(pulse);

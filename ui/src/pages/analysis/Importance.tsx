@@ -31,12 +31,13 @@ export function Importance(): ReactNode {
         <div className="stack">
           <section className="card">
             <h2>Pareto: share of the failures within {numberText(found.hours)} h of operation that hang on a part</h2>
+            <p className="small quiet">In brackets: the share that it and those above it cause.</p>
             <Bars
               title="Criticality"
               names={["criticality"]}
               bars={found.parts.slice(0, 15).map((one) => {
                 sum += one.barlow_proschan ?? 0;
-                return { name: one.part, values: [one.criticality], words: `${shareText(one.criticality)}; with those above it causes ${shareText(sum)}` };
+                return { name: one.part, values: [one.criticality], words: `${shareText(one.criticality)} (${shareText(sum)} with those above it)` };
               })}
             />
           </section>
