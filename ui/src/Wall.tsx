@@ -28,7 +28,7 @@ export default function Wall(): ReactNode {
       <div className="head">
         <h1>{design?.name ?? "robophm"}</h1>
         {health && <State of={health.state} limited={health.limits_set} />}
-        <span className="quiet">{MONITORING[monitoring] ?? "Not watching"}</span>
+        {MONITORING[monitoring] && <span className="quiet">{MONITORING[monitoring]}</span>}
         <span className="grow" />
         {health?.time != null && <span className="quiet">up to {momentText(health.time)}</span>}
       </div>

@@ -37,7 +37,7 @@ export function Importance(): ReactNode {
               names={["criticality"]}
               bars={found.parts.slice(0, 15).map((one) => {
                 sum += one.barlow_proschan ?? 0;
-                return { name: one.part, values: [one.criticality], words: `${shareText(one.criticality)} (${shareText(sum)} with those above it)` };
+                return { name: one.part, values: [one.criticality], words: `${shareText(one.criticality)} (${shareText(sum)})` };
               })}
             />
           </section>
