@@ -20,6 +20,7 @@ def words(text: str) -> str:
     return " ".join(text.split())
 
 
+@pytest.mark.full
 @each_case("page", RUN, ids=lambda path: path.stem)
 def test_commands_print_what_the_page_says(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """In an empty folder, with the files that the page itself states; a printed line is within a line of the output."""

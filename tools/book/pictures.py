@@ -65,8 +65,12 @@ def temperature(axes: Axes) -> None:
 def redundancy(axes: Axes) -> None:
     """How likely equal parts of 100 FPMH, in four structures, work until an age."""
     hours = np.linspace(0, 20_000, 101)
-    blocks = {"one": robophm.Series("a"), "two in series": robophm.Series("a", "b"), "one of two": robophm.Parallel("a", "b"),
-              "two of three": robophm.KOutOfN(2, "a", "b", "c")}  # fmt: skip
+    blocks = {
+        "one": robophm.Series("a"),
+        "two in series": robophm.Series("a", "b"),
+        "one of two": robophm.Parallel("a", "b"),
+        "two of three": robophm.KOutOfN(2, "a", "b", "c"),
+    }
     for name, block in blocks.items():
         structure = robophm.Structure(block)
         alike = np.ones((len(structure.names), 1))
