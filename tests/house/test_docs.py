@@ -38,7 +38,9 @@ def test_no_placeholder_is_left(document: Path) -> None:
 
 
 def test_the_readmes_robot_is_a_valid_design() -> None:
-    blocks = re.findall(r"```yaml\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.S)
+    pages = ("README.md", "docs/reference/which-command.md")
+    text = "".join((ROOT / page).read_text(encoding="utf-8") for page in pages)
+    blocks = re.findall(r"```yaml\n(.*?)```", text, re.S)
     assert blocks
     for block in blocks:
         assert parse(block).warnings == ()

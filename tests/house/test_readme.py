@@ -1,4 +1,4 @@
-"""The first page speaks of every command, and each that it prints runs as it is printed, in a folder of one's own."""
+"""A page speaks of every command, and each that it and the first page print runs so in a folder of one's own."""
 
 import math
 import os
@@ -22,10 +22,12 @@ from robophm.core.signal import SECOND
 from ..cli.conftest import run_inside
 
 ROOT = Path(__file__).resolve().parents[2]
-TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+TEXT = (ROOT / "docs" / "reference" / "which-command.md").read_text(encoding="utf-8")
 ONES_OWN = ROOT / "tests" / "data" / "readme"
 CELLS = [row.split("|")[1] for row in TEXT.splitlines() if row.startswith("| `robophm")]
-PRINTED = [command for cell in CELLS for command in re.findall(r"`(robophm [^`]+)`", cell)]
+FIRST = [line for block in re.findall(r"```bash\n(.*?)```", README, re.S) for line in block.splitlines()]
+PRINTED = FIRST + [command for cell in CELLS for command in re.findall(r"`(robophm [^`]+)`", cell)]
 BREACHED = {"wear": (0, 1), "calibrate": (0, 1)}
 """Exit codes of commands that may well say that a threshold is breached; 0 of others, and 130 of those stopped."""
 STOPPED = {"watch", "serve"}
