@@ -55,7 +55,7 @@ def test_a_package_index_is_given_no_link_into_the_sources(wheel):
     with zipfile.ZipFile(wheel) as packed:
         (metadata,) = [name for name in packed.namelist() if name.endswith("METADATA")]
         text = packed.read(metadata).decode()
-    assert "how: `docs/guides/data.md`" in text
+    assert "recordings and data: `docs/guides/data.md`" in text
     assert "make demo" in text
     assert not re.search(r"\]\((?!\w+:|#)|!\[", text)
 
