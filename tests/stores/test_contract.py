@@ -212,6 +212,19 @@ def test_a_reader_beside_the_writer_sees_all_of_a_save_or_nothing(tmp_path: Path
         assert reader.progress("R", "drive").position == 0
 
 
+def test_the_first_save_of_another_while_names_are_asked_for_is_no_damage(tmp_path: Path) -> None:
+    with SqliteStore(tmp_path / "robots.db") as writer, SqliteStore(tmp_path / "robots.db") as reader:
+
+        def saves(statement: str) -> None:  # between the two questions of which the answers are compared
+            if "FROM content" in statement and not writer.robots():
+                writer.save("R", STATE)
+
+        reader._base.set_trace_callback(saves)
+        assert reader.robots() == []
+        reader._base.set_trace_callback(None)
+        assert reader.robots() == ["R"]
+
+
 def other_tables(path: Path) -> None:
     with closing(sqlite3.connect(path)) as base, base:
         base.execute("CREATE TABLE music (title)")

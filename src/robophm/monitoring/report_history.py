@@ -128,12 +128,13 @@ class ReportHistory:
     def rest(self, monitor: Monitor, heard: int, then: Callable[[], Ledger]) -> None:
         """Take a report of the moment at which a robot that rests since was heard last [ns], where its step has none.
 
-        ``then`` gives the ledger of that moment. One that says that it is on does not rest. Raises RobophmError as
-        ``follow``.
+        ``then`` gives the ledger of that moment; of a single sample there is nothing to report. One that says that it
+        is on does not rest. Raises RobophmError as ``follow``.
         """
-        if self._is_due(heard) and not _says_on(monitor.robot, ledger := then()):
-            self._take(monitor, ledger)
-            self._reported = heard
+        if not self._is_due(heard) or (ledger := then()).integrated_to is None or _says_on(monitor.robot, ledger):
+            return
+        self._take(monitor, ledger)
+        self._reported = heard
 
     def end(self, monitor: Monitor) -> None:
         """Take the report of a recording at whose end the robot may rest for long. Raises RobophmError as ``follow``.

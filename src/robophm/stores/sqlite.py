@@ -162,7 +162,7 @@ class SqliteStore(Store, TakesRequests):
 
     def robots(self) -> list[str]:
         """Return the names of the robots whose ledgers are kept, sorted. Raises StoreError."""
-        with self._errors():
+        with self._reading():
             return LEDGER.robots(self._base)
 
     def progress(self, robot: str, recording: str) -> Progress:

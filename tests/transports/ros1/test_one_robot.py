@@ -76,7 +76,8 @@ def test_topics_are_named_from_the_namespace_and_another_is_told(ros: System) ->
         within(8, lambda: len(heard.of("/motor.temperature")) > 3)
         assert {*heard.of("/motor.temperature")} == {35.0}
         assert OneRobot(source, "amr_3").topics() == []
-        assert OneRobot(source, "amr_3").hidden_by() == ["there are topics of others; known: amr_1, amr_2"]
+        (hidden,) = OneRobot(source, "amr_3").hidden_by()  # others may have left topics with the master
+        assert hidden.startswith("there are topics of others; known: amr_1, amr_2")
 
 
 @pytest.mark.parametrize("name", ["", "/", "7", "a b", "a//b", "amr_*"])
