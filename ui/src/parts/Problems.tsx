@@ -33,7 +33,7 @@ export function ProblemsButton(): ReactNode {
 export function ProblemList({ problems, chosen }: { problems: Problem[]; chosen?: () => void }): ReactNode {
   if (!problems.length) return <p>Nothing is wrong or odd: every part is drawn, has a rate with its unit, and is used once.</p>;
   return (
-    <table>
+    <table className="problems">
       <thead>
         <tr>
           <th scope="col">What</th>
