@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import importlib.util
 import threading
 from collections.abc import Iterator
@@ -11,6 +10,8 @@ from typing import Any, Self
 import pytest
 
 from robophm.transports.signals.source import LiveSource
+
+from ..served_room import ServedRoom
 
 
 class Robot:
@@ -79,45 +80,6 @@ class Robot:
         self.server.stop()
 
 
-class RosByFoxglove:
-    """The room of this transport for the contract suite: on the other side, messages of ROS as foxglove_bridge has
-    them."""
-
-    ours = False
-
-    def __init__(self) -> None:
-        self.__name__ = "robophm.transports.foxglove"
-        self.robot = Robot()
-
-    def Foxglove(self, **settings: Any) -> LiveSource:
-        from robophm.transports.foxglove import Foxglove
-
-        return Foxglove(self.robot.place, **settings)
-
-    def Node(self, name: str) -> Any:
-        return _Node(self.robot)
-
-    def Publisher(self, node: _Node, topic: str, type_: str, definition: str | None = None, *, latched: bool) -> Any:
-        return _Publisher(node.robot, topic, type_, definition, latched)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.robot.close()
-
-
-@dataclasses.dataclass
-class _Node:
-    robot: Robot
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        pass
-
-
 class _Publisher:
     def __init__(self, robot: Robot, topic: str, type_: str, definition: str | None, latched: bool) -> None:
         from rosbags.typesys import Stores, get_typestore
@@ -152,6 +114,17 @@ class _Publisher:
 
     def __exit__(self, *_: object) -> None:
         self._channel.close()
+
+
+class RosByFoxglove(ServedRoom):
+    """On the other side, messages of ROS as foxglove_bridge has them."""
+
+    transport, robot_behind, publisher = "foxglove", Robot, _Publisher
+
+    def Foxglove(self, **settings: Any) -> LiveSource:
+        from robophm.transports.foxglove import Foxglove
+
+        return Foxglove(self.robot.place, **settings)
 
 
 @pytest.fixture(scope="session")

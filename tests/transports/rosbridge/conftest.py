@@ -20,6 +20,7 @@ import pytest
 from robophm.transports.signals.source import LiveSource
 
 from ..listener import within
+from ..served_room import ServedRoom
 
 
 class Robot:
@@ -123,44 +124,6 @@ def as_json(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-class RosByRosbridge:
-    """The room of this transport for the contract suite, with that robot on the other side."""
-
-    ours = False
-
-    def __init__(self) -> None:
-        self.__name__ = "robophm.transports.rosbridge"
-        self.robot = Robot()
-
-    def Rosbridge(self, **settings: Any) -> LiveSource:
-        from robophm.transports.rosbridge import Rosbridge
-
-        return Rosbridge(self.robot.place, **settings)
-
-    def Node(self, name: str) -> Any:
-        return _Node(self.robot)
-
-    def Publisher(self, node: _Node, topic: str, type_: str, definition: str | None = None, *, latched: bool) -> Any:
-        return _Publisher(node.robot, topic, type_, definition, latched)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.robot.close()
-
-
-@dataclasses.dataclass
-class _Node:
-    robot: Robot
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        pass
-
-
 class _Publisher:
     def __init__(self, robot: Robot, topic: str, type_: str, definition: str | None, latched: bool) -> None:
         from rosbags.typesys import Stores, get_typestore
@@ -190,6 +153,17 @@ class _Publisher:
     def __exit__(self, *_: object) -> None:
         with self._robot._lock:
             self._robot.topics.pop(self._topic, None)
+
+
+class RosByRosbridge(ServedRoom):
+    """On the other side, that robot."""
+
+    transport, robot_behind, publisher = "rosbridge", Robot, _Publisher
+
+    def Rosbridge(self, **settings: Any) -> LiveSource:
+        from robophm.transports.rosbridge import Rosbridge
+
+        return Rosbridge(self.robot.place, **settings)
 
 
 @pytest.fixture

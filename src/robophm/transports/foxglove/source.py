@@ -6,9 +6,8 @@ import json
 import re
 import threading
 import time
-import uuid
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from itertools import count
 from typing import Any
 
@@ -24,22 +23,11 @@ from robophm.transports.foxglove.protocol import (
 )
 from robophm.transports.live.decoding import TopicDecoder
 from robophm.transports.live.pushed import Pushed
-from robophm.transports.live.receiving import (
-    CLOCK_TOPIC,
-    QUEUE,
-    TICK,
-    ListeningSource,
-    Queue,
-    Receiver,
-    Run,
-    by_topic,
-    note_again,
-    tick_of,
-)
-from robophm.transports.live.web_socket import WebSocket
-from robophm.transports.signals.incidents import Incidents, TypeRefusedError
+from robophm.transports.live.receiving import QUEUE, TICK
+from robophm.transports.live.served import ServedSource, Subscriptions
+from robophm.transports.signals.incidents import TypeRefusedError
 from robophm.transports.signals.message_type import numeric_fields
-from robophm.transports.signals.source import LiveItem, TopicInfo
+from robophm.transports.signals.source import TopicInfo
 
 DISCOVERY_SECONDS = 1.0
 """Seconds from the first connection until the channels that a server has are taken to be known."""
@@ -51,7 +39,7 @@ LONGEST_STATUS = 1000
 """Characters of a server's warning that are read."""
 
 
-class Foxglove(ListeningSource):
+class Foxglove(ServedSource[Channel]):
     """Live topics of a robot that serves them over the Foxglove WebSocket protocol; a context manager.
 
     ``place`` is ``foxglove://host:port``; the server's own default is port 8765 of this machine. ``samples`` is
@@ -63,26 +51,16 @@ class Foxglove(ListeningSource):
     Raises SourceError where there is no such server.
     """
 
+    server = SERVER
+
     def __init__(self, place: str = "foxglove", *, queue: int = QUEUE, period: float = TICK) -> None:
-        self._address = SERVER.address(place)
-        self.fingerprint = uuid.uuid4().hex  # what is live is never the same twice
-        self.notes = self._notes = Incidents()
-        self._queue, self._tick = queue, tick_of(period)
-        self._closed = False
-        self._lock = threading.RLock()
-        self._channels: dict[int, Channel] = {}
+        super().__init__(place, queue, period)
         self._descriptions: dict[str, tuple[str, tuple[str, ...]]] = {}
         self._taken: tuple[str, ...] = ()
         """Encodings of messages that the server takes from us; none where it takes none."""
         self._listening: _Listening | None = None
-        self.connection = WebSocket(self._address, SERVER, self, self._notes)
         self.connection.start()
         self._born = time.monotonic()
-
-    @property
-    def place(self) -> str:
-        """Return the server."""
-        return f"the Foxglove server at {self._address}"
 
     def hidden_by(self) -> list[str]:
         """Return what could keep topics from being heard."""
@@ -122,17 +100,19 @@ class Foxglove(ListeningSource):
         elif op == "advertise":
             with self._lock:
                 for channel in channels_of(message.get("channels")):
-                    if len(self._channels) >= MOST_CHANNELS:
+                    if len(self._announced) >= MOST_CHANNELS:
                         self._notes.add(f"over {MOST_CHANNELS} channels, some not heard")
                         break
-                    self._channels[channel.id] = channel
+                    self._announced[channel.id] = channel
                     if self._listening:
                         self._listening.take_in(channel)
         elif op == "unadvertise":
             with self._lock:
-                gone = [one for one in _listed(message, "channelIds") if isinstance(one, int) and one in self._channels]
+                gone = [
+                    one for one in _listed(message, "channelIds") if isinstance(one, int) and one in self._announced
+                ]
                 for number in gone:
-                    del self._channels[number]
+                    del self._announced[number]
                 if self._listening:
                     self._listening.let_go(gone)
         elif op == "status" and message.get("level") in (1, 2):
@@ -141,13 +121,6 @@ class Foxglove(ListeningSource):
                 if self._listening:
                     self._listening.refused(str(message.get("message"))[:LONGEST_STATUS])
 
-    def lost(self) -> None:
-        """Take it that the server is gone, with all its channels; called in the connection's thread."""
-        with self._lock:
-            self._channels.clear()
-            if self._listening:
-                self._listening.let_go()
-
     def topics(self) -> list[TopicInfo]:
         """Return the topics served now; their messages and times are counted since they are listened to."""
         if self._closed:
@@ -155,7 +128,7 @@ class Foxglove(ListeningSource):
         self._settle()
         found: dict[str, TopicInfo] = {}
         with self._lock:
-            channels = list(self._channels.values())
+            channels = list(self._announced.values())
         for channel in channels:
             name, fields = self._described(channel)
             found.setdefault(channel.topic, TopicInfo(channel.topic, name, *self._counted(channel.topic), fields))
@@ -173,41 +146,8 @@ class Foxglove(ListeningSource):
             self._descriptions[channel.identity] = found
         return self._descriptions[channel.identity]
 
-    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
-        """Yield the samples of these signals in order of arrival, clock samples, and the messages on these topics.
-
-        What an earlier call gave ends. Raises SourceError where a signal is none, or a topic that is served has no such
-        field or cannot be decoded.
-        """
-        wanted = by_topic(signals)
-        if self._closed:
-            raise SourceError("the source is closed")
-        if self._run:
-            self._run.close()
-        self._settle()
-        self.notes = self._notes = self.connection.notes = Incidents()
-        queue = Queue(self._notes, self._queue)
-        with self._lock:
-            simulated = any(channel.topic == CLOCK_TOPIC for channel in self._channels.values())
-            hearing = Receiver(self._notes, queue.put, topics, simulated=simulated, known_to=self.known_to)
-            listening = _Listening(self, wanted, Pushed("foxglove", hearing, queue.hand_on, self._tick))
-            run = Run(queue, hearing, listening)
-            self._begin(run)
-            self._listening = listening  # what is latched comes at once
-            for channel in list(self._channels.values()):
-                listening.take_in(channel)
-            if listening.mistake:
-                run.close()
-                raise listening.mistake
-        listening.pushed.start()
-        return run.heard()
-
-    def close(self) -> None:
-        """End ``samples``, the connection and all threads; twice does no harm."""
-        self._closed = True
-        if self._run:
-            self._run.close()
-        self.connection.close()
+    def _subscriptions(self, wanted: dict[str, list[str]], pushed: Pushed) -> _Listening:
+        return _Listening(self, wanted, pushed)
 
 
 def _listed(message: dict[str, Any], name: str) -> list[Any]:
@@ -216,25 +156,18 @@ def _listed(message: dict[str, Any], name: str) -> list[Any]:
     return found if isinstance(found, list) else []
 
 
-class _Listening:
-    """One call of ``listen``: which channels it has subscribed, each with its decoder."""
+class _Listening(Subscriptions[Channel]):
+    """Which channels are subscribed, each with its decoder."""
 
     _numbers = count(1)
 
     def __init__(self, source: Foxglove, wanted: dict[str, list[str]], pushed: Pushed) -> None:
-        self.pushed = pushed
-        self.mistake: SourceError | None = None
-        """The first signal that a topic does not have, or type that cannot be decoded."""
+        super().__init__(source.connection.notes, wanted, pushed)
         self._source = source
-        self._notes = source.connection.notes
-        self._wanted = dict.fromkeys(pushed.hearing.whole, ()) | dict(wanted)
-        self._wanted.setdefault(CLOCK_TOPIC, ())  # it may be served later
         self._decoders: dict[int, TopicDecoder] = {}
         """Decoders by the numbers of subscriptions."""
         self._subscribed: dict[int, int] = {}
         """Subscriptions by the numbers of their channels."""
-        self._types: dict[str, str] = {}
-        """The type that was last heard on a topic."""
         self._refusals: Counter[int] = Counter()
         """How many times each channel was refused."""
 
@@ -245,13 +178,9 @@ class _Listening:
         try:
             decoder = self._decoder(channel)
         except TypeRefusedError as error:
-            self._notes.add(f"{error.kind} on {channel.topic}")
-            if channel.topic not in self.pushed.hearing.whole:  # those may be there or not
-                self.mistake = self.mistake or error
+            self._refuse(channel.topic, error.kind, error)
             return
-        if channel.topic == CLOCK_TOPIC:
-            self.pushed.hearing.simulated = True
-        note_again(self._notes, self._types, channel.topic, channel.identity)
+        self._begin(channel.topic, channel.identity)
         number = next(self._numbers)
         self._decoders[number] = decoder
         self._subscribed[channel.id] = number

@@ -35,7 +35,7 @@ _TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 class Topic:
     """A topic as rosapi tells of it."""
 
-    name: str
+    topic: str
     type: str
     """``sensor_msgs/Temperature`` in ROS 1, ``sensor_msgs/msg/Temperature`` in ROS 2."""
     definition: str = ""
@@ -52,10 +52,10 @@ class Topic:
 
     def _type(self) -> MessageType:
         if self.generation == 1:
-            return compiled(self.name, self.type, self.definition or known_definition(self.type))
+            return compiled(self.topic, self.type, self.definition or known_definition(self.type))
         if self.definition:
-            return defined(self.name, self.type, self.definition).type
-        return known(self.name, self.type).type
+            return defined(self.topic, self.type, self.definition).type
+        return known(self.topic, self.type).type
 
 
 def topics_of(values: Any) -> dict[str, Topic] | None:
@@ -69,7 +69,7 @@ def topics_of(values: Any) -> dict[str, Topic] | None:
         texts = [""] * len(names)
     told = zip(names[:MOST_TOPICS], types, texts, strict=False)
     found = (Topic(*one) for one in told if all(isinstance(part, str) for part in one))
-    return {topic.name: topic for topic in found if topic.name.startswith("/") and topic.type}
+    return {topic.topic: topic for topic in found if topic.topic.startswith("/") and topic.type}
 
 
 class JsonTopic(TopicDecoder):
@@ -85,7 +85,7 @@ class JsonTopic(TopicDecoder):
 
 def decoder(topic: Topic, signals: Collection[str]) -> JsonTopic:
     """Return the reader of a topic. Raises SourceError where its type cannot be read, or has no such field."""
-    return JsonTopic(topic.name, topic.message_type(), signals, topic.type)
+    return JsonTopic(topic.topic, topic.message_type(), signals, topic.type)
 
 
 def _of_json(type_: MessageType) -> MessageType:

@@ -4,27 +4,15 @@ from __future__ import annotations
 
 import threading
 import time
-import uuid
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from itertools import count
 from queue import Empty, SimpleQueue
 from typing import Any, Literal, Protocol
 
 from robophm.core.errors import SourceError
 from robophm.transports.live.pushed import Pushed
-from robophm.transports.live.receiving import (
-    CLOCK_TOPIC,
-    QUEUE,
-    TICK,
-    ListeningSource,
-    Queue,
-    Receiver,
-    Run,
-    by_topic,
-    note_again,
-    tick_of,
-)
-from robophm.transports.live.web_socket import WebSocket
+from robophm.transports.live.receiving import QUEUE, TICK
+from robophm.transports.live.served import ServedSource, Subscriptions
 from robophm.transports.rosbridge.protocol import (
     SERVER,
     JsonTopic,
@@ -35,9 +23,9 @@ from robophm.transports.rosbridge.protocol import (
     text,
     topics_of,
 )
-from robophm.transports.signals.incidents import Incidents, TypeRefusedError
+from robophm.transports.signals.incidents import TypeRefusedError
 from robophm.transports.signals.message_type import numeric_fields
-from robophm.transports.signals.source import LiveItem, TopicInfo
+from robophm.transports.signals.source import TopicInfo
 
 LOOK_EVERY = 1.0
 """Seconds between two looks for topics that have come, gone or changed their type."""
@@ -64,7 +52,7 @@ class Served(Protocol):
         """Answer no more."""
 
 
-class Rosbridge(ListeningSource):
+class Rosbridge(ServedSource[Topic]):
     """Live topics of a robot behind rosbridge_server, of ROS 1 or 2; a context manager.
 
     ``place`` is ``rosbridge://host:port``; the server's own default is port 9090 of this machine. ``samples`` is
@@ -77,27 +65,17 @@ class Rosbridge(ListeningSource):
     Raises SourceError where there is no such server.
     """
 
+    server = SERVER
+
     def __init__(self, place: str = "rosbridge", *, queue: int = QUEUE, period: float = TICK) -> None:
-        self._address = SERVER.address(place)
-        self.fingerprint = uuid.uuid4().hex  # what is live is never the same twice
-        self.notes = self._notes = Incidents()
-        self._queue, self._tick = queue, tick_of(period)
-        self._closed = False
-        self._lock = threading.RLock()
-        self._topics: dict[str, Topic] = {}
+        super().__init__(place, queue, period)
         self._fields: dict[Topic, tuple[str, ...]] = {}
         self._listening: _Listening | None = None
         self._statuses: set[str] = set()
         self._services: dict[str, Served] = {}
-        self.connection = WebSocket(self._address, SERVER, self, self._notes)
         self._lookout = _Lookout(self)
         self.connection.start()
         self._lookout.start()
-
-    @property
-    def place(self) -> str:
-        """Return the server."""
-        return f"the rosbridge server at {self._address}"
 
     def hidden_by(self) -> list[str]:
         """Return what could keep topics from being heard."""
@@ -107,7 +85,7 @@ class Rosbridge(ListeningSource):
     def generation(self) -> Literal[1, 2]:
         """Return the generation of ROS behind the server, by how it spells types. Raises SourceError without rosapi."""
         self._lookout.settle()
-        return 2 if any(topic.generation == 2 for topic in self._topics.values()) else 1
+        return 2 if any(topic.generation == 2 for topic in self._announced.values()) else 1
 
     def take(self, frame: str | bytes) -> None:
         """Take a frame; called in the connection's thread."""
@@ -130,13 +108,6 @@ class Rosbridge(ListeningSource):
             else:
                 self.connection.notes.add("the server warns, as its own log says")
 
-    def lost(self) -> None:
-        """Take it that the server is gone; called in the connection's thread."""
-        with self._lock:
-            self._topics.clear()
-            if self._listening:
-                self._listening.let_go()
-
     def opened(self) -> None:
         """Take it that the server is there again; called in the connection's thread."""
         for service in list(self._services.values()):
@@ -158,7 +129,7 @@ class Rosbridge(ListeningSource):
     def seen(self, topics: dict[str, Topic]) -> None:
         """Take the topics that there are now."""
         with self._lock:
-            before, self._topics = self._topics, topics
+            before, self._announced = self._announced, topics
             if listening := self._listening:
                 changed = [name for name, topic in before.items() if topics.get(name) != topic]
                 listening.let_go(changed)
@@ -174,7 +145,7 @@ class Rosbridge(ListeningSource):
             raise SourceError("the source is closed")
         self._lookout.settle()
         with self._lock:
-            topics = sorted(self._topics.items())
+            topics = sorted(self._announced.items())
         found = []
         for name, topic in topics:
             kind = topic.type if topic.generation == 2 else topic.type.replace("/", "/msg/")
@@ -191,42 +162,16 @@ class Rosbridge(ListeningSource):
                 self._fields[topic] = ()
         return self._fields[topic]
 
-    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
-        """Yield the samples of these signals in order of arrival, clock samples, and the messages on these topics.
-
-        What an earlier call gave ends. Raises SourceError where a signal is none, or a topic has no such field or a
-        type that is not known, and where rosapi does not tell the topics.
-        """
-        wanted = by_topic(signals)
-        if self._closed:
-            raise SourceError("the source is closed")
-        if self._run:
-            self._run.close()
+    def _settle(self) -> None:
         self._lookout.settle()
-        self.notes = self._notes = self.connection.notes = Incidents()
-        queue = Queue(self._notes, self._queue)
-        with self._lock:
-            simulated = CLOCK_TOPIC in self._topics
-            hearing = Receiver(self._notes, queue.put, topics, simulated=simulated, known_to=self.known_to)
-            listening = _Listening(self, wanted, Pushed("rosbridge", hearing, queue.hand_on, self._tick))
-            run = Run(queue, hearing, listening)
-            self._begin(run)
-            self._listening = listening  # what is latched comes at once
-            for topic in self._topics.values():
-                listening.take_in(topic)
-            if listening.mistake:
-                run.close()
-                raise listening.mistake
-        listening.pushed.start()
-        return run.heard()
+
+    def _subscriptions(self, wanted: dict[str, list[str]], pushed: Pushed) -> _Listening:
+        return _Listening(self, wanted, pushed)
 
     def close(self) -> None:
         """End ``samples``, the connection and all threads; twice does no harm."""
-        self._closed = True
-        if self._run:
-            self._run.close()
         self._lookout.close()
-        self.connection.close()
+        super().close()
 
 
 class _Lookout(threading.Thread):
@@ -254,7 +199,7 @@ class _Lookout(threading.Thread):
         listed = topics_of(self._asked("/rosapi/topics"))
         if listed is None or self._over.is_set():
             return
-        known = self._source._topics
+        known = self._source._announced
         if listed != self._listed or not known:
             told = topics_of(self._asked("/rosapi/topics_and_raw_types")) or {}  # which older ones do not have
             topics = {name: told.get(name, topic) for name, topic in listed.items()}
@@ -302,42 +247,31 @@ class _Lookout(threading.Thread):
             self.join()
 
 
-class _Listening:
-    """One call of ``listen``: which topics it has subscribed, each with its decoder."""
+class _Listening(Subscriptions[Topic]):
+    """Which topics are subscribed, each with its decoder."""
 
     _numbers = count(1)
 
     def __init__(self, source: Rosbridge, wanted: dict[str, list[str]], pushed: Pushed) -> None:
-        self.pushed = pushed
-        self.mistake: SourceError | None = None
-        """The first signal that a topic does not have, or type that cannot be read."""
+        super().__init__(source.connection.notes, wanted, pushed)
         self._source = source
-        self._notes = source.connection.notes
         self._id = f"robophm listening {next(self._numbers)}"
-        self._wanted = dict.fromkeys(pushed.hearing.whole, ()) | dict(wanted)
-        self._wanted.setdefault(CLOCK_TOPIC, ())  # it may be published later
         self._decoders: dict[str, JsonTopic] = {}
         self._refused: set[Topic] = set()
-        self._types: dict[str, str] = {}
-        """The type that was last heard on a topic."""
 
     def take_in(self, topic: Topic) -> None:
         """Subscribe a topic, where it is wanted and can be read."""
-        name = topic.name
+        name = topic.topic
         if name not in self._wanted or name in self._decoders or topic in self._refused:
             return
         try:
             decoder_ = decoder(topic, self._wanted[name])
         except SourceError as error:
             kind = error.kind if isinstance(error, TypeRefusedError) else "definition missing or damaged"
-            self._notes.add(f"{kind} on {name}")
             self._refused.add(topic)
-            if name not in self.pushed.hearing.whole:  # those may be there or not
-                self.mistake = self.mistake or error
+            self._refuse(name, kind, error)
             return
-        if name == CLOCK_TOPIC:
-            self.pushed.hearing.simulated = True
-        note_again(self._notes, self._types, name, topic.type)
+        self._begin(name, topic.type)
         self._decoders[name] = decoder_
         self._source.connection.send(text("subscribe", id=self._id, topic=name, type=topic.type))
 
