@@ -8,11 +8,9 @@ from typing import Annotated
 
 import typer
 
-from robophm.cli.shared.options import Design, Json, time_option
+from robophm.cli.shared.options import Design, Json, share_of, time_option
 from robophm.cli.shared.output import console, print_json, print_table, table
-from robophm.core.errors import RobophmError, UnitError
 from robophm.core.json_values import plain
-from robophm.core.units import quantity
 from robophm.design.file import load
 from robophm.health.redundancy import allocation
 from robophm.interface.redundancy import read_offers
@@ -33,8 +31,9 @@ def command(
 ) -> None:
     """Which parts a robot should have more of, for a budget or for a wanted reliability."""
     robot = load(design)
+    wanted = None if reliability is None else share_of("--reliability", reliability)
     found = allocation(
-        robot, read_offers(offers), at, budget=budget, reliability=_share(reliability), function=function, limit=limit
+        robot, read_offers(offers), at, budget=budget, reliability=wanted, function=function, limit=limit
     )
     if as_json:
         print_json(plain(asdict(found)))
@@ -55,12 +54,3 @@ def command(
             f"works with more than {percent_text(1 - found.bound, found.bound)}"
         )  # fmt: skip
         out.print(f"the best found within {limit:g} s; none {bound}", style="yellow", markup=False, soft_wrap=True)
-
-
-def _share(text: str | None) -> float | None:
-    if text is None:
-        return None
-    try:
-        return quantity(text, "")
-    except UnitError as error:
-        raise RobophmError(f"--reliability: {error}") from None

@@ -8,40 +8,41 @@ from typing import Annotated
 
 import typer
 
-from robophm.cli.shared.options import Json, operating_time
+from robophm.cli.shared.options import Json, share_of, time_option
 from robophm.cli.shared.output import console, print_json, print_table, table
-from robophm.core.errors import RobophmError, UnitError
+from robophm.core.errors import RobophmError
 from robophm.core.json_values import plain
-from robophm.core.units import quantity
 from robophm.learning.life_data.demonstration import TestPlan, Wanted, demonstration, replaced_pass
 from robophm.report.words import number_text, percent_text
 
 
 def command(
     reliability: Annotated[str | None, typer.Option(help="to be demonstrated, e.g. 0.95 or '95 %'; with --at")] = None,
-    at: Annotated[str | None, typer.Option(help="until when it is to hold, e.g. '1000 h'", metavar="TIME")] = None,
-    mtbf: Annotated[str | None, typer.Option(help="in place of both: a mean life at a constant rate, '5000 h'")] = None,
+    at: Annotated[float | None, time_option("--at", "until when it is to hold, e.g. '1000 h'", above=True)] = None,
+    mtbf: Annotated[
+        float | None, time_option("--mtbf", "in place of both: a mean life at a constant rate, '5000 h'", above=True)
+    ] = None,
     confidence: Annotated[str, typer.Option(help="with which a test that is passed says so")] = "90 %",
     allowed: Annotated[int, typer.Option(help="failures with which the test is passed still", min=0, max=10_000)] = 0,
     shape: Annotated[float, typer.Option(help="of the Weibull life; 1: a constant rate, 2 to 4: wear")] = 1.0,
     units: Annotated[int | None, typer.Option(help="to be tested; default: as few as will do", min=1)] = None,
     duration: Annotated[
-        str | None, typer.Option(help="of the test of each; default: as --at, or as short as --units allow")
+        float | None,
+        time_option("--duration", "of the test of each; default: as --at, or as short as --units allow", above=True),
     ] = None,
     as_json: Json = False,
 ) -> None:
     """How many to test, for how long, so that few failures demonstrate a reliability."""
-    wanted = _wanted(reliability, at, mtbf, _share(confidence, "--confidence"), allowed, shape)
-    hours = None if duration is None else operating_time("--duration", duration, above=True)
-    plan = demonstration(wanted, units, hours)
+    wanted = _wanted(reliability, at, mtbf, share_of("--confidence", confidence), allowed, shape)
+    plan = demonstration(wanted, units, duration)
     if as_json:
         print_json({**plain(asdict(plan)), "total": plan.total})
     else:
-        _show(plan, mtbf)
+        _show(plan, of_mean_life=mtbf is not None)
 
 
 def _wanted(
-    reliability: str | None, at: str | None, mtbf: str | None, confidence: float, allowed: int, shape: float
+    reliability: str | None, at: float | None, mtbf: float | None, confidence: float, allowed: int, shape: float
 ) -> Wanted:
     if mtbf is not None:
         if reliability is not None or at is not None:
@@ -50,28 +51,17 @@ def _wanted(
             )
         if shape != 1:
             raise RobophmError(f"--shape {shape:g}: a mean life is of a constant rate; expected --reliability and --at")
-        return Wanted(math.exp(-1), operating_time("--mtbf", mtbf, above=True), confidence, allowed)
+        return Wanted(math.exp(-1), mtbf, confidence, allowed)
     if reliability is None or at is None:
         raise RobophmError(
             "what is to be demonstrated? expected --reliability '95 %' --at '1000 h', or --mtbf '5000 h'"
         )
-    share = _share(reliability, "--reliability")
-    return Wanted(share, operating_time("--at", at, above=True), confidence, allowed, shape)
+    return Wanted(share_of("--reliability", reliability), at, confidence, allowed, shape)
 
 
-def _share(text: str, option: str) -> float:
-    try:
-        share = quantity(text, "")
-    except UnitError as error:
-        raise RobophmError(f"{option}: {error}") from None
-    if not 0 < share < 1:
-        raise RobophmError(f"{option} {text}: expected a share above 0 and below 1, e.g. 0.9 or '90 %'")
-    return share
-
-
-def _show(plan: TestPlan, mtbf: str | None) -> None:
+def _show(plan: TestPlan, *, of_mean_life: bool) -> None:
     out, wanted = console(), plan.wanted
-    goal = f"a mean life of {_hours(wanted.at)}" if mtbf else (
+    goal = f"a mean life of {_hours(wanted.at)}" if of_mean_life else (
         f"a reliability of {percent_text(wanted.reliability)} at {_hours(wanted.at)}"
     )  # fmt: skip
     most = f"at most {wanted.allowed:,} fail{'s' if wanted.allowed == 1 else ''}" if wanted.allowed else "none fails"

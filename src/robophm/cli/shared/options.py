@@ -118,6 +118,17 @@ def time_option(option: str, text: str, *, above: bool = False) -> Any:
     return typer.Option(option, parser=partial(operating_time, option, above=above), metavar="TIME", help=text)
 
 
+def share_of(option: str, text: str) -> float:
+    """Return the share above 0 and below 1 that an option states, "0.9" or "90 %". Raises RobophmError."""
+    try:
+        share = quantity(text, "")
+    except UnitError as error:
+        raise RobophmError(f"{option}: {error}") from None
+    if not 0 < share < 1:
+        raise RobophmError(f"{option} {text}: expected a share above 0 and below 1, e.g. 0.9 or '90 %'")
+    return share
+
+
 def horizon_of(text: str | None) -> float | None:
     """Return how far ahead failures to come are looked for [h]; None: the usual. Raises RobophmError."""
     if text is None:

@@ -51,6 +51,11 @@ class Wanted:
             if not 0 < number(value, name) < 1:
                 raise RobophmError(f"{name} {value:g}: expected above 0 and below 1, e.g. 0.9")
 
+    @property
+    def mean_life(self) -> float:
+        """Return the mean life that it stands for at a constant rate [h]."""
+        return self.at / -math.log(self.reliability)
+
     def fails(self, hours: float, times_as_long: float = 1.0) -> float:
         """Return P(one fails within a test of so many hours), if it is just as good, or lives so many times as long."""
         return -math.expm1(math.log(self.reliability) * (hours / self.at / times_as_long) ** self.shape)
@@ -90,8 +95,7 @@ def demonstration(wanted: Wanted, units: int | None = None, hours: float | None 
     Raises RobophmError where no test can be: fewer units than failures allowed, or more than MOST_UNITS needed.
     """
     if units is not None:
-        least = wanted.allowed + 1
-        units = int(number(units, "units", low=least, high=MOST_UNITS, whole=True))
+        units = int(number(units, "units", low=wanted.allowed + 1, high=MOST_UNITS, whole=True))
     if hours is not None:
         hours = number(hours, "hours of the test", above=True, high=LONGEST_TEST)
     if units is None:
@@ -102,15 +106,13 @@ def demonstration(wanted: Wanted, units: int | None = None, hours: float | None 
     passed = tuple((times, wanted.passes(units, hours, times)) for times in BETTER)
     together = None
     if wanted.shape == 1:
-        mean = wanted.at / -math.log(wanted.reliability)
-        together = mean * float(gammaincinv(wanted.allowed + 1, wanted.confidence))
+        together = wanted.mean_life * float(gammaincinv(wanted.allowed + 1, wanted.confidence))
     return TestPlan(wanted, units, hours, 1 - passed[0][1], passed, together)
 
 
 def replaced_pass(wanted: Wanted, total: float, times_as_long: float = 1.0) -> float:
     """Return P(passed) of a test of so many hours of all together in which failed ones are replaced; rates constant."""
-    mean = wanted.at / -math.log(wanted.reliability) * times_as_long
-    return float(pdtr(wanted.allowed, total / mean))
+    return float(pdtr(wanted.allowed, total / (wanted.mean_life * times_as_long)))
 
 
 def _units(wanted: Wanted, hours: float) -> int:
@@ -132,7 +134,7 @@ def _units(wanted: Wanted, hours: float) -> int:
 
 def _hours(wanted: Wanted, units: int) -> float:
     fails = float(betaincinv(wanted.allowed + 1, units - wanted.allowed, wanted.confidence))
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore"):  # as good as none survives
         hours: float = wanted.at * float(np.log1p(-fails) / math.log(wanted.reliability)) ** (1 / wanted.shape)
     if not 0 < hours <= LONGEST_TEST:
         raise RobophmError(
