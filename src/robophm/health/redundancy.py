@@ -13,7 +13,7 @@ from __future__ import annotations
 import heapq
 import math
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
@@ -85,7 +85,7 @@ def allocation(
         raise RobophmError("expected either a budget or a reliability")
     if reliability is not None and not 0 < number(reliability, "reliability") < 1:
         raise RobophmError(f"reliability {reliability:g}: expected above 0 and below 1, e.g. 0.999")
-    money = math.inf if budget is None else number(budget, "budget")
+    money = math.inf if budget is None else number(budget, "budget") * (1 + 1e-12)  # what costs just as much
     number(hours, "hours of operation", above=True, high=1e9)
     number(limit, "limit [s]", above=True)
     system = _System(robot, robot.diagram_of(function), offers, hours)
@@ -94,19 +94,17 @@ def allocation(
         raise RobophmError(
             f"with the most of every part on offer it still fails with {least:.3g}; expected at most {goal:.3g}"
         )
-    if (front := _front(system, money)) is not None:
-        more = (front.cheapest(goal) if reliability is not None else front.surest()).tolist()
-        bound, best = (
-            (system.cost(more) if reliability is not None else float(system.failure(np.array([more]))[0])),
-            True,
-        )
+    front, bound = _front(system, money), None
+    if front is not None:
+        more = (front.surest() if reliability is None else front.cheapest(goal)).tolist()
     elif reliability is None:
-        more, bound, best = _for_budget(system, money, limit)
+        more, bound = _for_budget(system, money, limit)
     else:
-        more, bound, best = _for_goal(system, goal, limit)
-    failure = float(system.failure(np.array([more]))[0])
+        more, bound = _for_goal(system, goal, limit)
+    failure, cost = float(system.failure(np.array([more]))[0]), system.cost(more)
+    proved = failure if reliability is None else cost
     named = {offer.part: int(n) for offer, n in zip(system.offers, more, strict=True) if n}
-    return Allocation(named, system.cost(more), failure, system.as_it_is, hours, best, bound)
+    return Allocation(named, cost, failure, system.as_it_is, hours, bound is None, proved if bound is None else bound)
 
 
 class _System:
@@ -134,15 +132,14 @@ class _System:
         if missing := [name for name in chosen if name not in place]:
             raise RobophmError(f"{missing[0]} is used in no diagram that is asked about")
         kept = [name for name in structure.names if name not in chosen]
+        works, failed = _survival(plant, [*kept, *(part.units[0] for part in chosen.values())], hours)
         self._works, self._failed = np.empty(len(place)), np.empty(len(place))
-        if kept:
-            works, failed = _survival(plant, kept, hours)
-            self._works[[place[name] for name in kept]], self._failed[[place[name] for name in kept]] = works, failed
-        self._rows = np.array([place[offer.part] for offer in self.offers])
-        self._table = np.ones((2, len(self.offers), MOST_MORE + 1))
-        for row, part in enumerate(chosen.values()):
-            works, failed = _survival(plant, [part.units[0]], hours)
-            share = failed[0] if part.multiplicity == 1 else -math.expm1(math.log1p(-failed[0]) / part.multiplicity)
+        self._works[[place[name] for name in kept]] = works[: len(kept)]
+        self._failed[[place[name] for name in kept]] = failed[: len(kept)]
+        self._rows = np.array([place[name] for name in chosen])
+        self._table = np.ones((2, len(chosen), MOST_MORE + 1))
+        for row, (part, fails) in enumerate(zip(chosen.values(), failed[len(kept) :], strict=True)):
+            share = fails if part.multiplicity == 1 else -math.expm1(math.log1p(-fails) / part.multiplicity)
             n = part.quantity + np.arange(MOST_MORE + 1)
             spare = n - part.required
             self._table[:, row] = bdtr(spare, n, share), bdtrc(spare, n, share)
@@ -171,8 +168,10 @@ class _System:
         works[self._rows], failed[self._rows] = (
             table[np.arange(len(self.offers))[:, None], more.T] for table in self._table
         )
-        rows = [self._place[name] for name in structure.names]
-        return np.asarray(structure.probability(works[rows], failed[rows])[1])
+        if structure is not self._structure:
+            rows = [self._place[name] for name in structure.names]
+            works, failed = works[rows], failed[rows]
+        return np.asarray(structure.probability(works, failed)[1])
 
     def cost(self, more: Sequence[int] | npt.NDArray[np.intp]) -> float:
         """Return what a choice costs."""
@@ -261,9 +260,7 @@ def _front(system: _System, budget: float) -> _Front | None:
     none = np.zeros((1, len(system.offers)), dtype=np.intp)
     front = _Front(np.zeros(1), np.zeros(1), none)
     for rows, structure in system.in_series():
-        most = np.minimum(system.most[rows], np.floor(min(budget * (1 + 1e-12), 1e300) / system.costs[rows])).astype(
-            int
-        )
+        most = np.minimum(system.most[rows], np.floor(budget / system.costs[rows])).astype(int)
         if (choices := math.prod((most + 1).tolist())) > MOST_CHOICES:
             return None
         of_block = np.array(list(product(*(range(n + 1) for n in most))), dtype=np.intp).reshape(choices, len(rows))
@@ -275,68 +272,82 @@ def _front(system: _System, budget: float) -> _Front | None:
         if len(front.cost) * len(block.cost) > 20 * MOST_CHOICES:
             return None
         cost = np.add.outer(front.cost, block.cost).ravel()
-        within = np.flatnonzero(cost <= budget * (1 + 1e-12))
+        within = np.flatnonzero(cost <= budget)
         old, new = np.divmod(within, len(block.cost))
         front = _unbeaten(cost[within], front.works[old] + block.works[new], front.more[old] + block.more[new])
     return front
 
 
-def _for_budget(system: _System, budget: float, limit: float) -> tuple[list[int], float, bool]:
-    """The choice of least failure within a budget; what none can be below; whether it is proved to be the best."""
-    budget *= 1 + 1e-12  # what costs just as much
-    best = _greedy(system, budget)
-    best_failure, until = float(system.failure(np.array([best]))[0]), time.monotonic() + limit
-    waiting: list[tuple[float, list[int]]] = [(0.0, [])]
-    while waiting:
-        bound, begun = heapq.heappop(waiting)
-        if bound >= best_failure:
-            break
-        if time.monotonic() > until:
-            return best, bound, False
+def _for_budget(system: _System, budget: float, limit: float) -> tuple[list[int], float | None]:
+    """The choice of least failure within a budget, as of ``_best_first``."""
+
+    def children(begun: list[int]) -> Iterator[_Child]:
         i = len(begun)
         left = budget - float(system.costs[:i] @ begun)
         more = np.arange(min(system.most[i], int(left / system.costs[i])) + 1)
         rest = np.floor((left - more[:, None] * system.costs[i]) / system.costs[i + 1 :])  # each as if it had all of it
-        rest = np.minimum(rest, system.most[i + 1 :]).astype(int)
-        full = np.hstack((np.tile(np.array(begun, dtype=int), (len(more), 1)), more[:, None], rest))
+        full = _begun(begun, more, np.minimum(rest, system.most[i + 1 :]).astype(int))
         for choice, failure in zip(full.tolist(), system.failure(full).tolist(), strict=True):
-            if failure >= best_failure:
-                continue
-            if system.cost(choice) <= budget:
-                best, best_failure = choice, failure
-            else:
-                heapq.heappush(waiting, (failure, choice[: i + 1]))
-    return best, best_failure, True
+            yield _Child(choice, failure, system.cost(choice) <= budget)
+
+    best = _greedy(system, budget)
+    return _best_first(best, float(system.failure(np.array([best]))[0]), children, limit)
 
 
-def _for_goal(system: _System, goal: float, limit: float) -> tuple[list[int], float, bool]:
-    """The cheapest choice, one that fails at most so often; what none can cost less than; whether it is proved."""
-    most, until = system.most, time.monotonic() + limit
+def _for_goal(system: _System, goal: float, limit: float) -> tuple[list[int], float | None]:
+    """The cheapest choice that fails at most so often, of which there is one, as of ``_best_first``."""
+
+    def children(begun: list[int]) -> Iterator[_Child]:
+        i = len(begun)
+        more = np.arange(system.most[i] + 1)
+        others = system.most[i + 1 :]
+        may = system.failure(_begun(begun, more, np.tile(others, (len(more), 1)))) <= goal
+        bare = _begun(begun, more, np.zeros((len(more), len(others)), int))
+        enough = system.failure(bare) <= goal
+        another = float(system.costs[i + 1 :].min(initial=math.inf))  # at least that much more where it is not enough
+        for choice, can_be, is_enough in zip(bare.tolist(), may.tolist(), enough.tolist(), strict=True):
+            if can_be:
+                yield _Child(choice, system.cost(choice) + (0.0 if is_enough else another), is_enough)
+
     best = _greedy(system, goal=goal)
-    waiting: list[tuple[float, list[int]]] = [(0.0, [])]
+    return _best_first(best, system.cost(best), children, limit)
+
+
+class _Child(NamedTuple):
+    """A choice of which one part more is settled: what it is worth, the less the better, or none that begins so is
+    below."""
+
+    choice: list[int]
+    worth: float
+    whole: bool
+    """Whether it can be had as it is."""
+
+
+def _begun(begun: list[int], more: npt.NDArray[np.intp], rest: npt.NDArray[np.intp]) -> npt.NDArray[np.intp]:
+    """Choices that begin alike, with so many ``more`` of the next part, and a ``rest`` for each."""
+    return np.hstack((np.tile(np.array(begun, dtype=int), (len(more), 1)), more[:, None], rest))
+
+
+def _best_first(
+    best: list[int], worth: float, children: Callable[[list[int]], Iterable[_Child]], limit: float
+) -> tuple[list[int], float | None]:
+    """The best choice, from one that can be had; and, when time was over, what none is below, else None: it is proved.
+
+    The most promising is gone on with first.
+    """
+    until, waiting = time.monotonic() + limit, [(0.0, list[int]())]
     while waiting:
         bound, begun = heapq.heappop(waiting)
-        if bound >= system.cost(best):
+        if bound >= worth:
             break
         if time.monotonic() > until:
-            return best, bound, False
-        i = len(begun)
-        more = np.arange(most[i] + 1)
-        full = np.hstack((np.tile(np.array(begun, dtype=int), (len(more), 1)), more[:, None],
-                          np.tile(most[i + 1 :], (len(more), 1))))  # fmt: skip
-        enough = system.failure(full) <= goal
-        bare = full.copy()
-        bare[:, i + 1 :] = 0
-        done = system.failure(bare) <= goal
-        for choice, may, is_enough in zip(bare.tolist(), enough.tolist(), done.tolist(), strict=True):
-            cost = system.cost(choice)
-            if is_enough and cost < system.cost(best):
-                best = choice
-            elif may and not is_enough:
-                cost += float(system.costs[i + 1 :].min(initial=math.inf))  # of one more of another at least
-                if cost < system.cost(best):
-                    heapq.heappush(waiting, (cost, choice[: i + 1]))
-    return best, system.cost(best), True
+            return best, bound
+        for child in children(begun):
+            if child.worth < worth and child.whole:
+                best, worth = child.choice, child.worth
+            elif child.worth < worth:
+                heapq.heappush(waiting, (child.worth, child.choice[: len(begun) + 1]))
+    return best, None
 
 
 def _greedy(system: _System, budget: float = math.inf, goal: float = 0.0) -> list[int]:
