@@ -17,12 +17,12 @@ from robophm.design.build_task import with_knowledge
 from robophm.design.file import load
 from robophm.design.robot import Robot
 from robophm.design.task import Plan
-from robophm.health.availability import Availability, availability
-from robophm.health.outlooks import View, outlooks
+from robophm.health.availability import Availability
+from robophm.health.outlooks import View
 from robophm.health.report import VIEWS
 from robophm.health.unknown_rates import few
+from robophm.interface.availability import availability
 from robophm.monitoring.monitor import Monitor
-from robophm.monitoring.seen_wear import seen_wear
 from robophm.report.words import duration_text, more_text, number_text, percent_text, share_text
 
 WORTH_SAYING = 1e-3
@@ -42,16 +42,11 @@ def command(
 ) -> None:
     """How often a robot that is repaired fails, and for which share of the time it is down."""
     robot = load(design)
-    diagram = robot.diagram_of(function)
     knowledge = with_knowledge(Plan(()), robot, failed or (), working or ()).knowledge
     monitor = Monitor(robot, kept(store, robot) if store else None)
-    settled = monitor.exposure.settled(monitor.ledger)
-    views = outlooks(
-        monitor.plant, monitor.exposure, settled, future=future, knowledge=knowledge,
-        wear=seen_wear(robot, settled),
-    )  # fmt: skip
+    report = monitor.report(future=future, knowledge=knowledge, remaining_life=False)
     wanted = VIEWS if store else ("sensor_based",)  # without a past both are one
-    found = {view: availability(views[view], diagram, within) for view in wanted}
+    found = {view: availability(report, function, hours=within, view=view) for view in wanted}
     name = f"{robot.name}: {function}" if function else robot.name
     if as_json:
         print_json({"system": name, "availability": {view: _json(one, most) for view, one in found.items()}})

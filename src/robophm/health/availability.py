@@ -103,10 +103,6 @@ class Availability:
         """Return the share of the time ahead for which it works."""
         return 1 - self.hours_down / self.hours
 
-    def ranked(self) -> list[PartAvailability]:
-        """Return the parts, those that cause the most failures first."""
-        return sorted(self.parts, key=lambda one: (-one.causes, -one.failures, one.unit))
-
 
 def availability(outlook: Outlook, diagram: Block, hours: float = 8760.0) -> Availability:
     """Return how a robot fails and is repaired within hours of calendar time from now on, and in the long run.
@@ -121,24 +117,24 @@ def availability(outlook: Outlook, diagram: Block, hours: float = 8760.0) -> Ava
     down, frequency = units.at(times)
     works, failed, change = units.together(down, frequency)
     hangs = structure.birnbaum(works, failed)
-    system_down = np.asarray(structure.probability(works, failed)[1]) @ weights
+    up, lost = structure.probability(works, failed)
+    system_down = lost @ weights
     caused, kept = (hangs * change) @ weights, (hangs * failed) @ weights
     failures = float(caused.sum())
-    end = structure.probability(*units.together(*units.at(np.array([hours])))[:2])
     many = units.multiplicity
     shares = zip(
         structure.names, units.repair, units.mean, failed @ weights / hours, many * (frequency @ weights),
         caused / failures if failures > 0 else np.zeros(len(caused)),
         np.minimum(kept / system_down, 1.0) if system_down > 0 else np.zeros(len(kept)), strict=True,
     )  # fmt: skip
-    found = Availability(
-        hours, failures, float(system_down), float(end[0][0]), _long_run(structure, units),
-        tuple(PartAvailability(name, *(float(one) for one in rest)) for name, *rest in shares),
+    parts = [PartAvailability(name, *(float(one) for one in rest)) for name, *rest in shares]
+    return Availability(
+        hours, failures, float(system_down), float(up[-1]), _long_run(structure, units),
+        tuple(sorted(parts, key=lambda one: (-one.causes, -one.failures, one.unit))),
         tuple(name for name, kept_up, mean in zip(structure.names, units.repair, units.mean, strict=True)
               if math.isinf(kept_up) and mean < math.inf),
         units.as_a_whole, units.error, unknown(outlook, diagram),
     )  # fmt: skip
-    return replace(found, parts=tuple(found.ranked()))
 
 
 def _long_run(structure: Structure, units: _Units) -> LongRun:
@@ -152,14 +148,14 @@ def _long_run(structure: Structure, units: _Units) -> LongRun:
 
 
 def _times(hours: float, shortest: float) -> tuple[Array, Array]:
-    """Times within these hours, and the weight of each in an integral over them: finer at the begin, as far down as
-    the shortest repair."""
+    """Times within these hours, the last of them their end, and the weight of each in an integral over them: finer at
+    the begin, as far down as the shortest repair."""
     halves = max(1, math.ceil(math.log2(max(hours / shortest, 2.0))) + 2)
     edges = np.unique(np.append(hours * 0.5 ** np.arange(halves), np.linspace(0.0, hours, _PANELS + 1)))
     half = np.diff(edges)[:, None] / 2
     times = edges[:-1, None] + half * (1 + NODES)
     weight = panel_areas(np.eye(len(NODES)))[0]
-    return times.ravel(), (half * weight).ravel()
+    return np.append(times.ravel(), hours), np.append((half * weight).ravel(), 0.0)
 
 
 class _Units:
@@ -171,12 +167,10 @@ class _Units:
         self._parts = parts = Parts(plant, [(name,) for name in names])
         self.multiplicity = plant.multiplicity[plant.component_of[parts.units]]
         repair = {unit: part.repair for part in plant.components for unit in part.units}
-        groups = {
-            held.group.name: max(repair[unit] for member in held.group.members for unit in member)
-            for held in plant.groups
-        }
-        self.repair = np.array([{**repair, **groups}[name] for name in names])
-        self.as_a_whole = tuple(name for name in names if groups.get(name, math.inf) < math.inf)
+        groups = {held.group.name: held.group.members for held in plant.groups}
+        repair |= {name: max(repair[unit] for one in members for unit in one) for name, members in groups.items()}
+        self.repair = np.array([repair[name] for name in names])
+        self.as_a_whole = tuple(name for name in names if name in groups and repair[name] < math.inf)
         self._failed = np.array([name in outlook.knowledge.failed for name in names])
         self._rate = self._constant_rates()
         self.mean = np.divide(1.0, self._rate, out=np.full(len(names), math.inf), where=self._rate > 0)
