@@ -75,6 +75,11 @@ class Window:
         return copy
 
 
+def newest(columns: Columns) -> int | None:
+    """Return the time [ns] of the newest sample; None where there is none."""
+    return max((int(times.max()) for times, _ in columns.values() if len(times)), default=None)
+
+
 def parted(columns: Columns, time: int) -> tuple[Columns, Columns]:
     """Split columns into the samples not later than a time [ns], and the later ones."""
     ready, rest = {}, {}

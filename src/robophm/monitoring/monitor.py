@@ -25,7 +25,7 @@ from robophm.health.plant import Plant
 from robophm.health.report import HealthReport
 from robophm.health.reporting import Lives, health_report
 from robophm.health.suspect_time import hear_clock
-from robophm.health.window import Columns, Window, parted
+from robophm.health.window import Columns, Window, newest, parted
 from robophm.health.worn import SeenWear
 from robophm.monitoring.seen_wear import seen_wear, with_alarms
 
@@ -189,7 +189,7 @@ class Monitor:
     def tell_rest(self, until: int, ready: Columns) -> None:
         """Call ``on_rest`` where the samples of a step until a time [ns] end more than ``max_gap`` before it."""
         if self.on_rest:
-            heard = max((int(times.max()) for times, _ in ready.values() if len(times)), default=None)
+            heard = newest(ready)
             if heard is not None and until - heard > self.robot.max_gap:
                 self.on_rest(self, heard, lambda: self.at(heard, ready))
 

@@ -42,11 +42,11 @@ def each_once(logs: Sequence[str]) -> list[str]:
     Stores of many robots are often called alike, each in a folder of its own; taken for one robot they would say
     nothing of how much robots differ. Raises DataError for one that is given twice, which would count twice.
     """
-    paths: dict[Path, str] = {}
+    seen: set[Path] = set()
     for log in logs:
-        path = Path(log)
-        if paths.setdefault(path.resolve(), log) != log or list(logs).count(log) > 1:
+        if (path := Path(log).resolve()) in seen:
             raise DataError(f"{log}: is given twice, and would count twice; expected each log once")
+        seen.add(path)
     parts = [(*Path(log).absolute().parent.parts, Path(log).stem) for log in logs]
     for folders in range(1, max(map(len, parts), default=1) + 1):
         names = ["/".join(one[-folders:]) for one in parts]

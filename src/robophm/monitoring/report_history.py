@@ -19,6 +19,7 @@ from robophm.design.robot import Robot
 from robophm.health.failure_within import failure_within
 from robophm.health.ledger import Ledger
 from robophm.health.reporting import health_report
+from robophm.health.window import newest
 from robophm.health.worn import SeenWear
 from robophm.monitoring.monitor import Monitor
 
@@ -142,7 +143,7 @@ class ReportHistory:
         One that was followed until then has its own, or will where the next goes on.
         """
         ready = monitor.ledger.pending.columns()
-        heard = max((int(times.max()) for times, _ in ready.values() if len(times)), default=None)
+        heard = newest(ready)
         if heard is not None and (self._reported is None or heard - self._reported > monitor.robot.max_gap):
             self.rest(monitor, heard, lambda: monitor.at(heard, ready))
 

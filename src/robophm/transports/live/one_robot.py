@@ -32,19 +32,10 @@ class OneRobot(LiveSource):
         self.root = namespace_of(robot)
         self._source = source
         self.fingerprint = source.fingerprint
+        self.announced, self.task_topics = source.announced, source.task_topics
 
     @property
-    def announced(self) -> bool:  # type: ignore[override]
-        """Return whether the source announces topics before a message comes."""
-        return self._source.announced
-
-    @property
-    def task_topics(self) -> tuple[str, ...]:  # type: ignore[override]
-        """Return the topics that tell of tasks wherever this transport is spoken."""
-        return self._source.task_topics
-
-    @property
-    def notes(self) -> Counter[str]:  # type: ignore[override]
+    def notes(self) -> Counter[str]:  # type: ignore[override]  # the source begins new ones when it is listened to
         """Return the notes of the source, by the whole names of topics."""
         return self._source.notes
 

@@ -139,9 +139,9 @@ class LiveSource(SignalSource):
     """Time to which the robot's past is known [ns], to be set before ``listen``: a clock that is before it is wrong."""
     recorded: bool = False
     """Whether what is heard was recorded before: it keeps its own time, however late it comes."""
-    announced: ClassVar[bool] = True
+    announced: bool = True
     """Whether topics are announced before a message comes; otherwise only what was heard is known."""
-    task_topics: ClassVar[tuple[str, ...]] = ()
+    task_topics: tuple[str, ...] = ()
     """Topics that tell of tasks wherever this transport is spoken."""
 
     @property
