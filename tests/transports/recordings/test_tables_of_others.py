@@ -80,10 +80,74 @@ def test_what_plotjuggler_writes(tmp_path: Path) -> None:
         assert source.notes == {"columns left out, without numbers or with names that are no signals: 2": 1}
 
 
+BATTERY = "sensor_msgs/msg/BatteryState,/battery\n"
+ROW = "17,250000000,base,24.5,nan,-2.0,5.0,9.0,10.0,0.5,2,1,2,True,"
+"""A battery as ``ros2 topic echo --csv`` prints it, before the arrays of cells' voltages and temperatures."""
+
+
+def test_what_ros2_topic_echo_writes(tmp_path: Path) -> None:
+    path = tmp_path / "battery.csv"
+    lost = "A message was lost!!!\n\ttotal count change:1\n\ttotal count: 1\n"
+    path.write_text(f"{BATTERY}{ROW}4.5,4.25,,slot,7\n{lost}{ROW.replace('17', '18', 1)}4.0,...,30.5,slot,7\n")
+    with open_source(path) as source:
+        (info,) = source.topics()
+        assert (info.topic, info.type, info.messages) == ("/battery", "sensor_msgs/msg/BatteryState", 2)
+        assert {"voltage", "percentage", "present"} < {*info.fields}
+        assert not any("cell" in field for field in info.fields)  # where one array ends nothing says
+        found = list(source.samples(["/battery.voltage", "/battery.present"]))
+        at = 17 * SECOND + SECOND // 4
+        assert found[:2] == [(at, "/battery.present", 1), (at, "/battery.voltage", 24.5)]
+        assert [one.time for one in found[2:]] == [at + SECOND] * 2
+        assert source.notes["/battery: lost by the subscriber, as `ros2 topic echo` says"] == 1
+        assert any("arrays left out" in note for note in source.notes)
+
+
+def test_of_one_array_alone_each_element_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "a b.csv"
+    joy = "sensor_msgs/msg/Joy\n"
+    ranges = "sensor_msgs/msg/ChannelFloat32\n"
+    path.write_text(f"{ranges}r,1.5\n")
+    with pytest.raises(SourceError, match=r"begin with a header, so that .* writes no time; expected a recording"):
+        open_source(path)
+    path.write_text(f"{joy}1,0,x,0.5,1,0\n")  # axes and buttons
+    with pytest.raises(SourceError, match="holds no values"):
+        open_source(path)
+    status = "diagnostic_msgs/msg/DiagnosticArray\n1,0,,b'\\x00',motor,ok,id,\n"
+    path.write_text(status)
+    with pytest.raises(SourceError, match="holds no values"):
+        open_source(path)
+    points = "geometry_msgs/msg/PolygonStamped\n1,0,map,0.0,1.0,2.0,3.0,4.0,5.0\n2,0,map,\n3,0,map,6.0,7.0,8.0,...\n"
+    path.write_text(points)
+    with open_source(path) as source:
+        assert [(*one,) for one in source.samples(["/a_b.polygon.points[1].y"])] == [
+            (SECOND, "/a_b.polygon.points[1].y", 4.0)
+        ]
+        assert [one.value for one in source.samples(["/a_b.polygon.points[0].x"])] == [0.0, 6.0]
+        assert any("--full-length" in note for note in source.notes)
+
+
 NONE = {
+    "a type that nobody knows": (
+        "no_msgs/msg/Thing,/a\n1,0,x,2.0\n",
+        "line 1: topic '/a' has the type 'no_msgs/msg/Thing', whose",
+    ),
+    "no topic": ("sensor_msgs/msg/Temperature,a\n1,0,x,2.0,0.0\n", "line 1: 'a' is not a topic"),
+    "a text with a comma": (
+        f"{BATTERY}{ROW.replace('base', 'a,b')}4.0,4.0,x,y\n",
+        "line 2: 'b' is no float32, as 'voltage'",
+    ),
+    "cells too few": ("sensor_msgs/msg/Temperature,/a\n1,0,x,2.0\n", "line 2: 4 cells; expected 5 of sensor_msgs"),
+    "cells of no whole element": (
+        "geometry_msgs/msg/PolygonStamped,/a\n1,0,m,0.0,1.0\n",
+        "2 cells of the array 'polygon.points'; expected 3 for",
+    ),
+    "times that go backwards": (
+        "sensor_msgs/msg/Temperature,/a\n2,0,x,2.0,0.0\n1,0,x,2.0,0.0\n",
+        "line 3: time goes backw",
+    ),
     "no names of columns": (
         "1700000000,250,base,1.5\n1700000001,250,base,1.5\n",
-        "`ros2 topic echo --csv` writes; expected",
+        r"of `ros2 topic echo --csv` type and topic, e\.g\. sensor_msgs",
     ),
     "another program": (
         "Date,Volts\n1,2\n",

@@ -47,8 +47,9 @@ def heading_of(path: Path, header: Sequence[str], first: Sequence[str]) -> Headi
         return Heading(Decimal(SECOND), _own(path, header), ())
     if header[0] not in _OTHERS:
         if _is_number(header[0]):
-            says = "has no names of columns, as `ros2 topic echo --csv` writes"
-            raise SourceError(f"{path}, line 1: {says}; expected a line before it, e.g. time,/battery.voltage")
+            says = "has no names of columns; expected a line before it: of `ros2 topic echo --csv` type and topic"
+            examples = "sensor_msgs/msg/BatteryState,/battery, else e.g. time,/battery.voltage"
+            raise SourceError(f"{path}, line 1: {says}, e.g. {examples}")
         others = ", ".join(f"'{name}' of {other.writer}" for name, other in _OTHERS.items())
         raise SourceError(f"{path}, line 1: first column is '{header[0]}'; expected '{OWN}' and commas, or {others}")
     other = _OTHERS[header[0]]

@@ -109,6 +109,22 @@ def message_type(connection: Connection) -> MessageType:
         raise SourceError(f"topic '{connection.topic}': {what} is missing or damaged") from error
 
 
+def type_called(name: str) -> MessageType:
+    """Return the type of this name of ROS 2, by its definition as it is given, or as Humble or an installation has it.
+
+    Raises SourceError, as the end of a sentence about the topic, where there is none.
+    """
+    from rosbags.interfaces import MessageDefinition, MessageDefinitionFormat
+
+    try:
+        with _COMPILING:
+            return _compiled_type(name, MessageDefinition(MessageDefinitionFormat.NONE, ""), "cdr", places())
+    except SourceError:
+        raise
+    except Exception as error:
+        raise SourceError(f"has the type '{name}', whose definition is damaged") from error
+
+
 @lru_cache(maxsize=256)
 def _compiled_type(
     name: str, definition: MessageDefinition, encoding: str, lies: tuple[tuple[str, ...], tuple[str, ...]]
@@ -255,7 +271,7 @@ def _borrowed(name: str, lies: tuple[tuple[str, ...], tuple[str, ...]]) -> tuple
 
 def numeric_fields(definitions: Typesdict, type_: str, prefix: str = "") -> Iterator[str]:
     """Yield paths of the numeric leaves of a message type, in order; ``[]`` stands for the index of an element."""
-    for name, _, part, array in _fields(definitions, type_):
+    for name, _, part, array in field_parts(definitions, type_):
         path = f"{prefix}{name}{'' if array is None else '[]'}"
         if part in definitions:
             yield from numeric_fields(definitions, part, path + ".")
@@ -313,8 +329,12 @@ def may_name_elements(type_: MessageType) -> bool:
 
     def strings_in_arrays(part: str) -> bool:
         seen.add(part)
-        for _, _, inner, array in _fields(type_.definitions, part):
-            own = [one for _, _, one, _ in _fields(type_.definitions, inner)] if inner in type_.definitions else [inner]
+        for _, _, inner, array in field_parts(type_.definitions, part):
+            own = (
+                [one for _, _, one, _ in field_parts(type_.definitions, inner)]
+                if inner in type_.definitions
+                else [inner]
+            )
             if array is not None and not _STRINGS.isdisjoint(own):
                 return True
             if inner in type_.definitions and inner not in seen and strings_in_arrays(inner):
@@ -329,7 +349,7 @@ def holds_bytes(type_: MessageType) -> bool:
     """Return whether a message has an array of bytes of any length, as images and clouds of points do."""
     small, left, seen = {"uint8", "int8", "byte", "char"}, [type_.name], {type_.name}
     while left:
-        for _, _, part, array in _fields(type_.definitions, left.pop()):
+        for _, _, part, array in field_parts(type_.definitions, left.pop()):
             if part in small and array == 0:
                 return True
             if part in type_.definitions and part not in seen:
@@ -386,7 +406,7 @@ def ways_to(definitions: Typesdict, type_: str, field: str) -> list[Way]:
     part, walked = type_, ""
     steps = steps_of(field)
     for k, (name, element) in enumerate(steps):
-        fields = [Field(*one) for one in _fields(definitions, part)] if part in definitions else []
+        fields = [Field(*one) for one in field_parts(definitions, part)] if part in definitions else []
         here = {one.name: one for one in fields}
         if name not in here:
             raise SourceError(f"({type_}) has no field '{field}'{nearest(field, known)}")
@@ -395,7 +415,7 @@ def ways_to(definitions: Typesdict, type_: str, field: str) -> list[Way]:
         walked += ("." if walked else "") + name
         if array is None and element is not None:
             raise SourceError(f"({type_}) has one value in '{walked}'; expected it without an index")
-        within = [Field(*one) for one in _fields(definitions, part)] if part in definitions else []
+        within = [Field(*one) for one in field_parts(definitions, part)] if part in definitions else []
         namer = None if array is None else namer_of(around, name, within)
         if array is not None and element is None:
             expected = f"'{walked}[0]'" + (f", or by a name of '{namer.attribute}'" if namer else "")
@@ -416,8 +436,8 @@ def ways_to(definitions: Typesdict, type_: str, field: str) -> list[Way]:
     return ways
 
 
-def _fields(definitions: Typesdict, type_: str) -> Iterator[tuple[str, str, str, int | None]]:
-    """Name, Python attribute, type and array length of each field: None is no array, 0 any length."""
+def field_parts(definitions: Typesdict, type_: str) -> Iterator[tuple[str, str, str, int | None]]:
+    """Yield name, Python attribute, type and array length of each field: None is no array, 0 any length."""
     from rosbags.interfaces import Nodetype
 
     for name, (node, detail) in definitions[type_][1]:

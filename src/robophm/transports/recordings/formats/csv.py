@@ -13,30 +13,21 @@ which a signal may be made, as ``/vibration.data[:rms]``.
 
 from __future__ import annotations
 
-import csv
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterator
 from datetime import UTC, datetime, timedelta
 from decimal import Decimal, InvalidOperation
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import SECOND, Reduction, Sample, any_element, reduction_of, split_signal
-from robophm.transports.recordings.files import reading
+from robophm.core.signal import SECOND
 from robophm.transports.recordings.format import SampleFormat
+from robophm.transports.recordings.rows import MOST_COLUMNS, RowSource
 from robophm.transports.recordings.table_heading import heading_of
-from robophm.transports.recordings.text import TextSource
-from robophm.transports.signals.array_reduction import reduced
-from robophm.transports.signals.source import TopicInfo
 
-MOST_COLUMNS = 4096
-"""Columns beyond which a file is not believed to be a table of signals."""
-
-_ELEMENT = re.compile(r"\[\d+\]\Z")
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
 
-class CsvRecording(TextSource):
+class CsvRecording(RowSource):
     """A CSV file: the first column is ``time``, each other column a signal, rows in time order.
 
     Raises SourceError, with line and column, where the table is not one.
@@ -54,62 +45,7 @@ class CsvRecording(TextSource):
             raise SourceError(f"{self.path}: holds no values")
         return frozenset(self._columns)
 
-    def _rows(self) -> Iterator[tuple[int, list[str]]]:
-        """Line number and cells of every line that is not empty."""
-
-        def text() -> Iterator[str]:
-            for number, line in self._lines():
-                try:
-                    yield line.decode("utf-8-sig" if number == 1 else "utf-8")
-                except UnicodeDecodeError:
-                    raise SourceError(f"{self.path}, line {number}: not UTF-8 text") from None
-
-        rows = csv.reader(text(), strict=True)
-        with reading(self.path):
-            for cells in rows:
-                if cells:
-                    yield rows.line_num, [cell.strip() for cell in cells]
-
-    def topics(self) -> list[TopicInfo]:
-        """Return the topics as of every text, with the array where columns are its elements."""
-        return [
-            replace(info, fields=(*info.fields, *sorted({any_element(one) for one in info.fields if "[" in one})))
-            for info in super().topics()
-        ]
-
-    def samples(self, signals: Collection[str]) -> Iterator[Sample]:
-        """Yield samples as of every text; an array is the cells of one row whose columns are its elements."""
-        signals = [*signals]  # gone through twice
-        arrays: dict[str, tuple[Reduction, list[str]]] = {}
-        for signal in signals:
-            if found := reduction_of(split_signal(signal)[1]):
-                own = [
-                    one for one in self._columns if _ELEMENT.sub("", one) == f"{signal.partition('.')[0]}.{found[0]}"
-                ]
-                if own:
-                    arrays[signal] = found[1], sorted(own, key=lambda one: int(one[one.rindex("[") + 1 : -1]))
-        plain = super().samples([signal for signal in signals if signal not in arrays])
-        if not arrays:
-            return plain
-        return self._with_arrays({*signals}, arrays)
-
-    def _with_arrays(
-        self, wanted: set[str], arrays: Mapping[str, tuple[Reduction, Sequence[str]]]
-    ) -> Iterator[Sample]:  # fmt: skip
-        for time, row in self._values():
-            found = [Sample(time, signal, value) for signal, value in row.items() if signal in wanted]
-            for signal, (reduction, own) in arrays.items():
-                if there := [row[one] for one in own if one in row]:
-                    found.append(Sample(time, signal, reduced(reduction, there)))
-            yield from sorted(found, key=lambda one: one.signal)
-
-    def _samples(self) -> Iterator[Sample]:
-        for time, row in self._values():
-            for signal, value in row.items():
-                yield Sample(time, signal, value)
-
     def _values(self) -> Iterator[tuple[int, dict[str, float]]]:
-        """The time of each row and the values of its cells, by signal in order of their names."""
         columns = sorted((signal, index) for index, signal in self._heading.signals.items())
         self.notes.update(self._heading.notes)
         rows = self._rows()
@@ -122,8 +58,7 @@ class CsvRecording(TextSource):
                 time = parse_time(cells[0], self._heading.unit)
             except ValueError as error:
                 raise SourceError(f"{self.path}, line {line}, column 1 (time): {error}") from None
-            if previous is not None and time < previous:
-                raise SourceError(f"{self.path}, line {line}: time goes backwards; expected rows in time order")
+            self._in_order(line, previous, time)
             previous = time
             row: dict[str, float] = {}
             for signal, index in columns:
