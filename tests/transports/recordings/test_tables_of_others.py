@@ -131,7 +131,7 @@ NONE = {
         "no_msgs/msg/Thing,/a\n1,0,x,2.0\n",
         "line 1: topic '/a' has the type 'no_msgs/msg/Thing', whose",
     ),
-    "no topic": ("sensor_msgs/msg/Temperature,a\n1,0,x,2.0,0.0\n", "line 1: 'a' is not a topic"),
+    "no topic": ("sensor_msgs/msg/Temperature,/a.b\n1,0,x,2.0,0.0\n", "line 1: '/a.b' is not a topic"),
     "a text with a comma": (
         f"{BATTERY}{ROW.replace('base', 'a,b')}4.0,4.0,x,y\n",
         "line 2: 'b' is no float32, as 'voltage'",

@@ -106,15 +106,12 @@ class ChunkedFile(MappedFile):
         """The chunks that hold messages of these connections in this time, in order of it."""
         asked = wanted | timed
         while True:
-            some = [
-                chunk
-                for chunk in self.chunks
-                if chunk.last >= start
-                and chunk.first < end
-                and (chunk.indices is None or not chunk.indices.keys().isdisjoint(asked))
-            ]
+            some = [one for one in self.chunks if one.indices is None or not one.indices.keys().isdisjoint(asked)]
+            if self.times_vouched:  # else those of a chunk count that its own record says
+                some = _in_time(some, start, end)
             try:
-                return sorted(self.placed(some, wanted), key=lambda chunk: (chunk.first, chunk.offset))
+                found = _in_time(self.placed(some, wanted), start, end)
+                return sorted(found, key=lambda chunk: (chunk.first, chunk.offset))
             except DamageError as error:
                 if self.of_many:
                     raise
@@ -122,6 +119,9 @@ class ChunkedFile(MappedFile):
                 self.look_through(str(error))
                 self.notes = notes
                 self.notes.update(self.late)
+
+    times_vouched = True
+    """Whether something vouches for the times of chunks before they are placed."""
 
     @abstractmethod
     def placed(self, chunks: list[Chunk], wanted: frozenset[int]) -> list[Chunk]:
@@ -422,6 +422,10 @@ class ChunkedFile(MappedFile):
     @abstractmethod
     def scanned(self, chunk: Chunk, content: Bytes, wanted: Collection[int]) -> list[Messages]:
         """The messages in a chunk, found by going from record to record; notes what is lost."""
+
+
+def _in_time(chunks: Iterable[Chunk], start: int, end: int) -> list[Chunk]:
+    return [chunk for chunk in chunks if chunk.last >= start and chunk.first < end]
 
 
 def _batches(asked: Iterable[Asked]) -> Iterator[list[Asked]]:

@@ -177,8 +177,13 @@ class McapFile(ChunkedFile):
         ends = [at for at, _ in places[1:]] + [chunk.behind or MOST_TIME]
         return sum(max(0, end - at - 15) // 16 for (at, id_), end in zip(places, ends, strict=True) if id_ in wanted)
 
+    @property
+    def times_vouched(self) -> bool:
+        """Return whether the times of chunks are as they were written: by their own records, or by a checksum."""
+        return self._checked or not self._from_index
+
     def placed(self, chunks: list[Chunk], wanted: frozenset[int]) -> list[Chunk]:
-        """The chunks with their checksums, where their messages are wanted."""
+        """The chunks as their own records say, where their messages are wanted."""
         some = [number for number, one in enumerate(chunks) if not (one.indices and wanted.isdisjoint(one.indices))]
         if not self._from_index or not some:
             return chunks
@@ -187,8 +192,8 @@ class McapFile(ChunkedFile):
         for number in some:
             known = chunks[number]
             chunk = self.chunk_at(known.offset)
-            found[number] = known._replace(checksum=chunk.checksum)
-            if chunk[:7] != known[:7]:
+            found[number] = chunk._replace(indices=known.indices, behind=known.behind)
+            if self._checked and chunk[:7] != known[:7]:
                 raise DamageError(f"another chunk at byte {known.offset}")
         return found
 
@@ -353,7 +358,7 @@ class McapFile(ChunkedFile):
             raise DamageError("an index of no channel")
 
     def _indexed_chunk(self, content: memoryview) -> Chunk:
-        """The chunk that a chunk index record speaks of; its own record is asked where no checksum vouches for that."""
+        """The chunk that a chunk index record speaks of; its own record is asked where messages of it are wanted."""
         first, last, offset, length, size = _CHUNK_INDEX(content)
         at = 36 + size
         if at + 12 > len(content):
@@ -361,8 +366,6 @@ class McapFile(ChunkedFile):
         indices: dict[int, int] = dict(struct.iter_unpack("<HQ", content[36:at]))
         behind, name = struct.unpack_from("<QI", content, at)
         behind += offset + length
-        if not self._checked:
-            return self.chunk_at(offset)._replace(indices=indices or None, behind=behind)
         self._from_index = True
         at += 12 + name
         compression = str(content[at - name : at], "ascii", "replace")
@@ -370,7 +373,9 @@ class McapFile(ChunkedFile):
         start = offset + 49 + name
         end = start + stored
         if end > offset + length or end > self.size:
-            raise DamageError("damaged chunk index")
+            if self._checked:
+                raise DamageError("damaged chunk index")
+            return self.chunk_at(offset)._replace(indices=indices or None, behind=behind)
         if last > MOST_TIME or first > MOST_TIME:
             first, last = min(first, MOST_TIME), min(last, MOST_TIME)
         return Chunk(first, last, offset, start, end, compression, unpacked, 0, indices or None, behind)
