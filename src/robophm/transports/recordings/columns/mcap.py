@@ -27,6 +27,7 @@ from robophm.transports.recordings.columns.chunk import Chunk, UnknownError
 from robophm.transports.recordings.columns.chunked import ChunkedFile
 from robophm.transports.recordings.columns.field_extraction import Bytes, Ints
 from robophm.transports.recordings.columns.loose_messages import FOUND, by_channel, pieces_of, table_of, tell_loose
+from robophm.transports.recordings.columns.mcap_chunk_index import indexed_chunks
 from robophm.transports.recordings.columns.mcap_definitions import (
     CHANNEL,
     SCHEMA,
@@ -53,7 +54,6 @@ _LONGEST_HEAD = _CHUNK_HEAD.size + 16 + 8
 
 _SIZE = struct.Struct("<Q").unpack_from
 _INDEX_HEAD = struct.Struct("<BQHI").unpack_from
-_CHUNK_INDEX = struct.Struct("<QQQQI").unpack_from
 _INDEX = np.dtype([("time", "<u8"), ("offset", "<u8")])
 
 
@@ -337,6 +337,7 @@ class McapFile(ChunkedFile):
         self._checked = bool(checksum)
         records = self.view(summary, start)
         position, counted = self._read_definitions(records), 0
+        indexed: list[memoryview] = []
         while position < len(records):
             opcode, length = struct.unpack_from("<BQ", records, position)
             if not opcode or position + 9 + length > len(records):
@@ -345,40 +346,29 @@ class McapFile(ChunkedFile):
             if opcode in (SCHEMA, CHANNEL):
                 self._define(opcode, content)
             elif opcode == kinds.CHUNK_INDEX:
-                self.chunks.append(self._indexed_chunk(content))
+                indexed.append(content)
             elif opcode == kinds.STATISTICS:
                 counted, size = struct.unpack_from("<Q34xI", content)
                 self.counts = dict(struct.iter_unpack("<HQ", content[46 : 46 + size]))
             position += 9 + length
+        self.chunks = self._indexed_chunks(indexed)
         if not self._defined().issuperset(self._channels):
             raise _NotInSummaryError("no schemas in the summary")
         if not self._channels or not (self.chunks or (self.counts and not counted)):
             raise _NotInSummaryError("no channels or chunks in the summary")
-        if not self._checked and any(one.indices and one.indices.keys() - self._channels for one in self.chunks):
+        if not self._checked and set().union(*(one.indices or () for one in self.chunks)) - self._channels.keys():
             raise DamageError("an index of no channel")
 
-    def _indexed_chunk(self, content: memoryview) -> Chunk:
-        """The chunk that a chunk index record speaks of; its own record is asked where messages of it are wanted."""
-        first, last, offset, length, size = _CHUNK_INDEX(content)
-        at = 36 + size
-        if at + 12 > len(content):
-            raise DamageError("damaged chunk index")
-        indices: dict[int, int] = dict(struct.iter_unpack("<HQ", content[36:at]))
-        behind, name = struct.unpack_from("<QI", content, at)
-        behind += offset + length
-        self._from_index = True
-        at += 12 + name
-        compression = str(content[at - name : at], "ascii", "replace")
-        stored, unpacked = struct.unpack_from("<QQ", content, at)
-        start = offset + 49 + name
-        end = start + stored
-        if end > offset + length or end > self.size:
-            if self._checked:
+    def _indexed_chunks(self, indexed: Sequence[memoryview]) -> list[Chunk]:
+        """The chunks that these records speak of; their own records are asked where messages of them are wanted."""
+        chunks = indexed_chunks(indexed, self.size)
+        for number, chunk in enumerate(chunks):
+            if chunk.cut and self._checked:
                 raise DamageError("damaged chunk index")
-            return self.chunk_at(offset)._replace(indices=indices or None, behind=behind)
-        if last > MOST_TIME or first > MOST_TIME:
-            first, last = min(first, MOST_TIME), min(last, MOST_TIME)
-        return Chunk(first, last, offset, start, end, compression, unpacked, 0, indices or None, behind)
+            if chunk.cut:
+                chunks[number] = self.chunk_at(chunk.offset)._replace(indices=chunk.indices, behind=chunk.behind)
+        self._from_index = bool(chunks)
+        return chunks
 
     def _look_through(self) -> None:
         """Find chunks and messages from record to record; what is defined in chunks only is looked for there."""
