@@ -15,6 +15,7 @@ from robophm.core.errors import ModelError, PlugError
 from robophm.life import LifeDistribution, life_distribution, life_distributions
 
 NAMES = life_distributions()
+SCALELESS = ("markov", "piecewise")
 GRID = 2.0**-10  # ages and durations of this grid add without rounding
 SECOND = 1 / 3600
 grid = st.integers(0, 2**30).map(lambda n: n * GRID)
@@ -31,6 +32,11 @@ def parameter(name, dimension):
 @st.composite
 def lives(draw, name):
     cls = life_distribution(name)
+    if name == "markov":
+        rate = st.floats(1e-6, 0.1)
+        return cls(
+            {"whole": {"worn": draw(rate), "failed": draw(rate)}, "worn": {"whole": draw(rate), "dead": draw(rate)}}
+        )
     if name == "piecewise":
         ages = sorted(draw(st.sets(st.integers(0, 10**5), min_size=1, max_size=5)))
         return cls(ages, [draw(st.floats(1e-6, 0.1)) for _ in ages])
@@ -54,6 +60,7 @@ def test_these_are_the_distributions():
         "gamma",
         "loglogistic",
         "lognormal",
+        "markov",
         "normal",
         "piecewise",
         "rayleigh",
@@ -159,12 +166,12 @@ def test_arrays_are_scalars_side_by_side(name, data):
 @given(data=st.data())
 def test_with_mean_and_with_rate(name, data):
     cls = life_distribution(name)
-    shape = shapes(data, cls)
     mean = data.draw(st.floats(2e3, 1e6))
-    if name == "piecewise":
+    if cls.scale_parameter is None:
         with pytest.raises(ModelError, match="no scale"):
             cls.with_mean(mean)
         return
+    shape = shapes(data, cls)
     if name == "loglogistic" and shape["shape"] <= 1:
         with pytest.raises(ModelError, match="mean is infinite"):
             cls.with_mean(mean, **shape)
@@ -183,7 +190,7 @@ def test_curve_keeps_its_rate():
     assert life_distribution("curve").with_rate(0.25, shape=0.7).rate == 0.25
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if name != "piecewise"])
+@pytest.mark.parametrize("name", [name for name in NAMES if name not in SCALELESS])
 @given(data=st.data())
 def test_the_rate_of_a_life_gives_it_again(name, data):
     cls = life_distribution(name)
@@ -200,7 +207,7 @@ def test_the_rate_of_a_life_gives_it_again(name, data):
 def test_with_quantile(name, data, share):
     """S(age) = 1 − share, whatever the shape and the location."""
     cls = life_distribution(name)
-    if name == "piecewise":
+    if cls.scale_parameter is None:
         with pytest.raises(ModelError, match="no scale"):
             cls.with_quantile(share, 1e3)
         return
@@ -240,7 +247,7 @@ def test_parameters_are_described_and_checked(name):
     assert [field.name for field in fields(cls)] == list(cls.dimensions)
     assert cls.scale_parameter is None or cls.scale_parameter in cls.dimensions
     assert set(cls.dimensions.values()) <= {-1, 0, 1}
-    if name == "piecewise":
+    if name in SCALELESS:
         return
     good = {field.name: 3.0 for field in fields(cls)}
     for key in good:

@@ -101,7 +101,9 @@ def build_life(
             raise ModelError(f"{kind.__name__}: its mean is {found.mean():g}, expected a finite number > 0")
         if factor == 1:
             return found, rate
-        parameters.pop(str(kind.scale_parameter), None)
+        if kind.scale_parameter is None:
+            return found.rescaled(1 / factor), rate * factor
+        parameters.pop(kind.scale_parameter, None)
         return kind.with_rate(rate * factor, **parameters), rate * factor
     except (ModelError, TypeError) as error:
         raise LocatedError(at, str(error)) from None
@@ -109,7 +111,7 @@ def build_life(
 
 def _of_rate(kind: type[LifeDistribution], rate: float, parameters: Mapping[str, Any]) -> LifeDistribution:
     """A life of this rate, of equal parts the same one: a large design has few kinds of parts."""
-    if any(isinstance(value, list) for value in parameters.values()):
+    if any(isinstance(value, list | dict) for value in parameters.values()):
         return kind.with_rate(rate, **parameters)
     return _kept_of_rate(kind, rate, *parameters.items())
 
@@ -127,10 +129,17 @@ def _parameters(place: Path, life: schema.Life, kind: type[LifeDistribution], un
                 (*place, name), f"{life.distribution} has no parameter '{name}'{nearest(name, kind.dimensions)}"
             )
         inside = {1: unit, 0: "", -1: f"1/{unit}"}[kind.dimensions[name]]
-        listed = isinstance(value, list)
-        numbers = [quantity_at((*place, name), one, inside) for one in (value if listed else [value])]
-        parameters[name] = numbers if listed else numbers[0]
+        parameters[name] = _quantities((*place, name), value, inside)
     return parameters
+
+
+def _quantities(place: Path, value: Any, unit: str) -> Any:
+    """A quantity, or those in lists and mappings, as numbers of the unit. Raises LocatedError."""
+    if isinstance(value, list):
+        return [quantity_at(place, one, unit) for one in value]
+    if isinstance(value, dict):
+        return {key: _quantities((*place, str(key)), one, unit) for key, one in value.items()}
+    return quantity_at(place, value, unit)
 
 
 def plug(place: Path, find: Callable[[str], _Plug], name: str) -> _Plug:

@@ -15,7 +15,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields
 from numbers import Real
-from typing import ClassVar, Self, TypeAlias
+from typing import Any, ClassVar, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -146,6 +146,15 @@ class LifeDistribution(ABC):
             return self
         parameters = {name: getattr(self, name) for name in self.dimensions}
         return type(self)(**{**parameters, "location": 0.0})
+
+    def rescaled(self, factor: float) -> Self:
+        """The same life where every age is ``factor`` times as large, as when it is counted in another unit."""
+        values: dict[str, Any] = {}
+        for name, power in self.dimensions.items():
+            value = np.asarray(getattr(self, name), dtype=float)
+            new = value + math.log(factor) if name == "log_mean" else value * factor**power
+            values[name] = new.tolist()
+        return type(self)(**values)
 
     @property
     def nominal_rate(self) -> float:

@@ -27,7 +27,6 @@ from robophm.learning.maintenance.replacement_age import (
     grouped_replacement,
     hazard_rises,
     renewals,
-    rescaled,
 )
 from robophm.learning.maintenance.spares import demand, spares
 from robophm.life import life_distribution
@@ -207,6 +206,6 @@ def test_another_unit(name):
         "piecewise": {"ages": [0.0, 100.0], "hazard_rates": [1e-3, 2e-3]},
     }[name]  # fmt: skip
     life = life_distribution(name)(**parameters)
-    other = rescaled(life, 24.0)
+    other = life.rescaled(24.0)
     for age in (60.0, 400.0, 1200.0):
         assert float(other.survival(24 * age)) == pytest.approx(float(life.survival(age)), rel=1e-9)

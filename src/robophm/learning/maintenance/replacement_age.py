@@ -282,13 +282,3 @@ def renewals(life: LifeDistribution, times: Array) -> Array:
         inner = half[i - 1 : 0 : -1] @ np.diff(M[:i]) if i > 1 else 0.0
         M[i] = (F[i] + inner - half[0] * M[i - 1]) / first
     return M
-
-
-def rescaled(life: LifeDistribution, factor: float) -> LifeDistribution:
-    """The same life counted in another unit: ages are ``factor`` times as large."""
-    values: dict[str, Any] = {}
-    for name, power in life.dimensions.items():
-        value = np.asarray(getattr(life, name), dtype=float)
-        new = value + math.log(factor) if name == "log_mean" else value * factor**power
-        values[name] = new.tolist()
-    return type(life)(**values)

@@ -25,7 +25,7 @@ from robophm.learning.maintenance.life_cycle_costs import (
     return_on_monitoring,
     simulate,
 )
-from robophm.learning.maintenance.replacement_age import Costs, Policy, Visit, best_age, grouped_replacement, rescaled
+from robophm.learning.maintenance.replacement_age import Costs, Policy, Visit, best_age, grouped_replacement
 from robophm.learning.maintenance.spares import spares
 from robophm.life.distribution import LifeDistribution
 
@@ -122,7 +122,7 @@ class UpkeepPlan:
         rated = {name: one for name, one in costs.items() if not one.part.unknown}
         index = {mode.path: i for i, mode in enumerate(robot.modes)}
         ageing = {name: _ageing(one.part, pace, index) for name, one in rated.items()}
-        lives = {name: rescaled(mode.life, 1 / fast) for name, (mode, fast) in ageing.items()}
+        lives = {name: mode.life.rescaled(1 / fast) for name, (mode, fast) in ageing.items()}
         up = _availabilities(rated, lives)
         structure = Standstill(robot.diagram)
         plans = []

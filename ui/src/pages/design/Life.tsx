@@ -40,6 +40,8 @@ export function Life({ part, put }: { part: Part; put: Putting }): ReactNode {
   const life = isValues(part.values.life) ? part.values.life : {};
   const usual = part.values.part === undefined ? "exponential" : ""; // of a part of the library, as it says
   const distribution = String(life.distribution ?? (part.values.life === undefined ? usual : "exponential"));
+  const asText: [string, string][] = ["", ...DISTRIBUTIONS.map(([name]) => name)].includes(distribution) ? [] : [[distribution, `${distribution}: as text below`]];
+  const lives = [...asText, ...DISTRIBUTIONS];
   const usualClock = part.values.part === undefined ? "operating" : "";
   const stress = part.values.acceleration;
   const several = Array.isArray(stress);
@@ -56,7 +58,7 @@ export function Life({ part, put }: { part: Part; put: Putting }): ReactNode {
       {component && (
         <>
           <h3>Life</h3>
-          <Select label="Life model" value={distribution} options={usual ? DISTRIBUTIONS : [["", "as its part of the library"], ...DISTRIBUTIONS]} set={(value) => put(["life"], value === usual ? undefined : { distribution: value, ...usualShape(value) }, `Life model of ${part.name}`)} />
+          <Select label="Life model" value={distribution} options={usual ? lives : [["", "as its part of the library"], ...lives]} set={(value) => put(["life"], value === usual ? undefined : { distribution: value, ...usualShape(value) }, `Life model of ${part.name}`)} />
           <div className="fields">
             {(SHAPES[distribution] ?? []).map(([key, name]) => (
               <Entry key={key} label={name} value={String(life[key] ?? "")} set={(value) => put(["life", key], number(value), `${name} of ${part.name}`)} />
