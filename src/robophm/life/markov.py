@@ -99,7 +99,8 @@ class Markov(LifeDistribution):
         """Bit by bit: each power of two of a step that does not make H too large."""
         chain, shape = self._chain, np.shape(H)
         left = np.ravel(np.asarray(H, dtype=float)).copy()
-        age, shares = np.where(np.isnan(left), np.nan, 0.0), chain.new(len(left))
+        age: Array = np.where(np.isnan(left), np.nan, 0.0)
+        shares = chain.new(len(left))
         left[~np.isfinite(left)] = 0.0
         level = next(
             k for k in count() if k == _HIGHEST or chain.jump(k).after(chain.new(1))[1][0] > left.max(initial=0)
@@ -111,7 +112,8 @@ class Markov(LifeDistribution):
             shares[taken], age[taken] = after[fits], age[taken] + 2.0**level
             left[taken] -= added[fits]
             level -= 1
-        return (age * chain.step).reshape(shape)
+        age *= chain.step
+        return age.reshape(shape)
 
     def _residual_moment(self, x: Array, order: int) -> Array:
         moment: Array = self._since(x)[0] @ self._chain.moments[order - 1]
@@ -141,7 +143,7 @@ class _Jump(NamedTuple):
         return _Jump(stays, 2 * self.log_scale, fails).of_whole_rows()
 
     def of_whole_rows(self) -> _Jump:
-        """The same where what stays and what fails is 1: else roundings, small beside that, would grow to be failures."""
+        """The same where what stays and what fails is 1: else roundings, small beside 1, would grow to be failures."""
         scale = self.stays.max()
         stays, log_scale = self.stays / scale, self.log_scale + float(np.log(scale))
         with np.errstate(over="ignore", invalid="ignore"):
@@ -241,7 +243,7 @@ def _chain_of(states: Transitions) -> _Chain:
 
 
 def _checked(states: Transitions | Mapping[str, Mapping[str, float]]) -> Transitions:
-    """States and transitions as tuples; ModelError where a part in one of them could not fail, or could not be in it."""
+    """States and transitions as tuples; ModelError where one is out of reach, or leads to no failure."""
     try:
         found = tuple((name, tuple(dict(to).items())) for name, to in dict(states).items())
     except (TypeError, ValueError):
