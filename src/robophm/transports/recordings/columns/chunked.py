@@ -120,8 +120,10 @@ class ChunkedFile(MappedFile):
                 self.notes = notes
                 self.notes.update(self.late)
 
-    times_vouched = True
-    """Whether something vouches for the times of chunks before they are placed."""
+    @property
+    def times_vouched(self) -> bool:
+        """Return whether something vouches for the times of chunks before they are placed."""
+        return True
 
     @abstractmethod
     def placed(self, chunks: list[Chunk], wanted: frozenset[int]) -> list[Chunk]:
