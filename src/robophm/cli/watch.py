@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import gc
+import os
 import signal
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, nullcontext
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from types import FrameType
@@ -25,12 +26,14 @@ from robophm.cli.shared.health_output import print_report
 from robophm.cli.shared.live_table import LiveTable
 from robophm.cli.shared.options import Design, GrowingStore, Json, Notify, Unit, Via
 from robophm.cli.shared.output import console, may_write, print_json, warn
+from robophm.cli.shared.ros_words import Words
 from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.task_words import stated_speed
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.counted_notes import FreshNotes
 from robophm.core.errors import RobophmError, SourceError
 from robophm.core.json_values import plain
+from robophm.core.signal import split_signal
 from robophm.core.supervisor import Supervisor
 from robophm.design.file import load
 from robophm.design.robot import Robot
@@ -51,6 +54,7 @@ from robophm.stores.alarm_log import AlarmsInMemory
 from robophm.stores.store import Store
 from robophm.transports.health_topics import HealthRecording, HealthTopics, Outlet, PartReports, TaskService
 from robophm.transports.live.one_robot import OneRobot, namespace_of
+from robophm.transports.live.ros_names import Remapped, RosNames, names_of
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.running_robot import Live as RunningRobot
 from robophm.transports.running_robot import open_live
@@ -93,12 +97,14 @@ class Watched:
     """A new MCAP file that takes health as it is published."""
     robot: str | None = None
     """The namespace below which one of several robots speaks, ``amr_7``, and its name."""
+    names: RosNames = field(default_factory=RosNames)
+    """What names of topics mean, and what the node that listens is called."""
 
 
 def _only(asked: Watched) -> None:
     """Refuse what is not used for what is asked."""
     used = ["via", "store", "notify", "journal", "period", "every", "publish", "namespace", "tasks", "speed"]
-    used += ["function", "reports", "fleet", "record", "robot"]
+    used += ["function", "reports", "fleet", "record", "robot", "words"]
     if asked.as_json:
         refuse_unused("JSON, in 1/h", [*used, "frame"])
     if not asked.publish and not asked.record:
@@ -111,6 +117,7 @@ def _only(asked: Watched) -> None:
 
 def command(
     design: Design,
+    words: Words = None,
     via: Via = "auto",
     store: GrowingStore = None,
     journal: Annotated[Path | None, typer.Option(help="write every sample to the end of this journal")] = None,
@@ -123,7 +130,7 @@ def command(
         str | None, typer.Option(help="of several robots with this design, the one that speaks below this namespace")
     ] = None,
     namespace: Annotated[
-        str | None, typer.Option(help="of the topics that are published; default that of --robot, else /")
+        str | None, typer.Option(help="of the topics that are published; default that of --robot, else of ROS")
     ] = None,
     frame: Annotated[str, typer.Option(help="where the markers for RViz stand")] = "base_link",
     tasks: Annotated[
@@ -144,10 +151,12 @@ def command(
     as_json: Json = False,
 ) -> None:
     """The health of a robot that runs, from ROS or MQTT and back to it, until it is interrupted."""
-    root = namespace or (namespace_of(robot) if robot else "/")
+    names = names_of(words or (), os.environ.get("ROS_NAMESPACE", ""))
+    os.environ.update(names.environment)
+    root = namespace or (namespace_of(robot) if robot else names.namespace)
     asked = Watched(
         via, store, journal, period, every, root, publish, frame, tuple(tasks or ()), speed, tuple(function or ()),
-        tuple(notify or ()), unit, as_json, reports, fleet, record, robot,
+        tuple(notify or ()), unit, as_json, reports, fleet, record, robot, names,
     )  # fmt: skip
     if run(design, asked):
         raise typer.Exit(BREACHED)
@@ -208,13 +217,15 @@ def run(design: Path, asked: Watched) -> bool:
     health: HealthReport | None = None
     with Notices(asked.notify) as notices, ExitStack() as stack:
         ends = stack.enter_context(_ended_by_signals())
-        opened = open_live(asked.via, period=asked.period)
-        source = stack.enter_context(opened.source)
+        opened = open_live(
+            asked.via, period=asked.period, node=asked.names.whole_node, parameters=asked.names.parameters
+        )
+        source: LiveSource = stack.enter_context(Remapped(opened.source, asked.names))
         if asked.robot:
             source = OneRobot(source, asked.robot)
         ends += [source.stop, source.close]
         print(opened.said, file=sys.stderr)
-        _say_what_is_missing(robot, source)
+        _say_what_is_missing(robot, source, asked.names)
         kept = stack.enter_context(open_store(asked.store)) if asked.store else None
         sends = stack.enter_context(sender(asked.store, robot.identity, fleet)) if asked.store and fleet else None
         written = stack.enter_context(Journal(asked.journal, robot.signals)) if asked.journal else None
@@ -256,7 +267,7 @@ def _to_ros(robot: Robot, opened: RunningRobot, asked: Watched) -> tuple[HealthT
     if not opened.publisher:
         warn(f"health is not published: {opened.source.place} takes no messages of ROS")
         return None, None
-    outlet = Outlet(opened.generation, opened.node, opened.publisher, opened.server)
+    outlet = Outlet(opened.generation, opened.node, opened.publisher, opened.server, whole=asked.names.of)
     topics = HealthTopics(robot, outlet, namespace=asked.namespace, frame=asked.frame)
     assessor = TaskAssessor(robot)
     unserved = [TaskService(outlet, assessor, asked.namespace).unknown]
@@ -272,9 +283,11 @@ def _to_ros(robot: Robot, opened: RunningRobot, asked: Watched) -> tuple[HealthT
     return topics, assessor
 
 
-def _say_what_is_missing(robot: Robot, source: LiveSource) -> None:
+def _say_what_is_missing(robot: Robot, source: LiveSource, names: RosNames) -> None:
     """Warn of signals of the design that nobody publishes yet."""
     published = {info.topic: (info.type, info.fields) for info in source.topics()}
+    relative = {topic for signal in robot.signals if not (topic := split_signal(signal)[0]).startswith("/")}
+    published |= {topic: published[whole] for topic in relative if (whole := names.of(topic)) in published}
     if not published:
         warn(f"nothing is published yet at {source.place}")
         for hint in source.hidden_by():

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
@@ -33,6 +33,10 @@ class TopicInfo:
     """Why nothing of it can be heard now, as far as the source knows."""
     elements: tuple[str, ...] = ()
     """Paths of numbers of messages in arrays, ``esc[0].esc_temperature``, where the source tells how many there are."""
+
+    def called(self, topic: str) -> TopicInfo:
+        """Return the same topic by another name."""
+        return replace(self, topic=topic)
 
     @property
     def rate(self) -> float | None:
