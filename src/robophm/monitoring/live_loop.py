@@ -157,7 +157,7 @@ class _Watch:
                 elif isinstance(heard, Gap):
                     if self.journal:
                         self.journal.gap(heard.topic, heard.why)
-                else:
+                elif isinstance(heard, Sample):
                     self._take(heard)
                 self._look_around()
             self._note_orders()

@@ -32,9 +32,14 @@ class LookAhead(threading.Thread):
         self._begun = 0.0
 
     def beside(self, now: HealthReport) -> HealthReport:
-        """Return the report with the newest look ahead, and ask for another. Raises what looking ahead raised."""
+        """Return the report with the newest look ahead, and ask for another. Raises what looking ahead raised.
+
+        Beside the first report stands the completion of its task, which is found at once; remaining lives come later.
+        """
         if self.fault:
             raise self.fault
+        if self.latest is None and now.task is not None:
+            self.latest = look_ahead(now, remaining_life=False)
         self._given = now
         self._woken.set()
         return with_earlier_look(now, self.latest) if self.latest else now

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping
 
 from robophm.core.signal import CLOCK, Sample, split_signal
-from robophm.transports.signals.source import LiveItem, LiveSource
+from robophm.transports.signals.source import LiveItem, LiveSource, Untimed
 
 
 class RenamedSource(LiveSource):
@@ -63,6 +63,8 @@ def _by_names(
         if isinstance(one, Sample):
             for signal in signals.get(one.signal, ()):
                 yield Sample(one.time, signal, one.value)
+        elif isinstance(one, Untimed):
+            yield one
         else:
             for topic in topics.get(one.topic, (one.topic,)):
                 yield one._replace(topic=topic)

@@ -131,8 +131,15 @@ class Gap(NamedTuple):
     """Reason as the notes count it: ``connection lost``."""
 
 
-LiveItem = Sample | WholeMessage | Gap
-"""An item that a live source gives: a sample, a whole message, or a gap."""
+class Untimed(NamedTuple):
+    """Time went on, but what comes has none yet, as before the first of /clock: who listens may look around."""
+
+    topic: str = "/clock"
+    """Topic that is waited for."""
+
+
+LiveItem = Sample | WholeMessage | Gap | Untimed
+"""An item that a live source gives: a sample, a whole message, a gap, or a sign of life before there is a time."""
 
 
 class LiveSource(SignalSource):
