@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping
 
-from robophm.core.signal import CLOCK, Sample, split_signal
+from robophm.core.signal import CLOCK, Sample, WantedSignal, split_signal, wanted_unit
 from robophm.transports.signals.source import LiveItem, LiveSource, Untimed
 
 
@@ -42,7 +42,8 @@ class RenamedSource(LiveSource):
         for signal in signals:
             if signal != CLOCK:
                 topic, field = split_signal(signal)
-                asked.setdefault(f"{self._whole(topic)}.{field}", []).append(signal)
+                meant = WantedSignal(f"{self._whole(topic)}.{field}", wanted_unit(signal))
+                asked.setdefault(meant, []).append(signal)
                 whole.setdefault(self._whole(topic), [topic])  # where what is missing of it is told
         wanted = [signal for signal in asked if signal != CLOCK]
         return _by_names(self._source.listen(wanted, [self._whole(topic) for topic in topics]), asked, whole)
