@@ -26,7 +26,7 @@ _BASE = re.compile(r"[A-Za-z]\w*\Z", re.ASCII)
 
 @dataclass(frozen=True)
 class RosNames:
-    """What a node is called, where it is, and what names mean to it; without any it is at the root, as is all else."""
+    """The name of a node, its namespace, and what names mean to it; without any it is at the root, as is all else."""
 
     namespace: str = "/"
     node: str = ""
