@@ -14,7 +14,7 @@ from rich.console import Console
 
 from robophm.cli.shared.live_table import LiveTable
 from robophm.cli.shared.task_recording import _print_records
-from robophm.cli.watch import Watched, _Lines
+from robophm.cli.shared.watch_output import Lines
 from robophm.core.signal import SECOND, Sample
 from robophm.design.file import load
 from robophm.health.mission import Completion
@@ -177,8 +177,7 @@ def test_the_notebook_table(wired: str, tmp_path: Path) -> None:
 def test_what_watch_says_while_the_robot_runs(wired: str, tmp_path: Path) -> None:
     report = Monitor(load(tmp_path / "robot.yaml")).report()
     out = Console(file=io.StringIO(), width=200)
-    asked = Watched("auto", None, None, 1.0, 0.0, "/", False, "base_link", (), None, (), (), "1/h", False)
-    shown = _Lines(out, asked)
+    shown = Lines(out, every=0.0, unit="1/h", as_json=False)
     shown.publish(report)
     task = {"nominal": Completion(0.75, 0.25), "sensor_based": Completion(0.5, 0.5)}
     shown.judged(JudgedTask(False, 0, "/plan", 1.0, 2.0, task, report.system.unknown))

@@ -1,5 +1,6 @@
 """Units at the edges: what people write is converted, what they cannot mean is refused in one line, at once."""
 
+import math
 import subprocess
 import sys
 import time
@@ -8,7 +9,7 @@ import pytest
 from tests.cases import each_case
 
 from robophm.core.errors import UnitError
-from robophm.core.units import _USUAL, _of_pint, conversion, quantity
+from robophm.core.units import _USUAL, _of_pint, conversion, quantity, told
 
 
 @each_case(
@@ -183,3 +184,37 @@ def test_threads_that_begin_at_once_share_their_units():
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 0, done.stderr[-500:]
     assert [float(scale) for scale in done.stdout.split()] == pytest.approx([1e-18, 1e-3, 1 / 24, 1e-5] * 2, rel=1e-12)
+
+
+@each_case(
+    ("text", "inside", "expected"),
+    [
+        ("23.5", "degC", 23.5),
+        ("23.5 C", "degC", 23.5),
+        ("23.5°C", "degC", 23.5),
+        ("23.5 [degC]", "degC", 23.5),
+        ("74.3 F", "degC", 23.5),
+        ("296.65 K", "degC", 23.5),
+        ("48.1 V", "V", 48.1),
+        ("48100 mV", "V", 48.1),
+        ("48.1 Volts", "V", 48.1),
+        ("3.2 A", "A", 3.2),
+        ("-3200mA", "A", -3.2),
+        ("12 %", "", 0.12),
+        ("12 %", "percent", 12.0),
+        ("1500 RPM", "rad/s", 50 * math.pi),
+        ("8.0 N m", "N*m", 8.0),
+        ("1.2e1 V", "V", 12.0),
+    ],
+)
+def test_what_devices_say_is_read_with_its_unit(text, inside, expected):
+    assert told(text, inside) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "inside"),
+    [("N/A", "degC"), ("warming up", "degC"), ("", "V"), ("48 V", "degC"), ("23 C", None), ("23 C", "A"),
+     ("1 / 0", "V"), ("nan", "V"), ("12 V 3", "V"), ("9**9**9", ""), ("٣ V", "V")],
+)  # fmt: skip
+def test_what_cannot_be_read_is_no_number(text, inside):
+    assert math.isnan(told(text, inside))

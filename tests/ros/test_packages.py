@@ -73,6 +73,7 @@ def test_parameters_become_a_command() -> None:
     ]  # fmt: skip
     assert command({"design": "r", "store": "past.db", "reports": True})[-3:] == ["--store", "past.db", "--reports"]
     assert command({"design": "r", "robot": "amr_7"})[3:] == ["--robot", "amr_7"]
+    assert command({"design": "r", "robots": "amr_*"}, "/hall")[3:] == ["--robots", "amr_*"]
     for namespace, parameter, root in (("/amr_7/", "", "/amr_7"), ("/amr_7", "/hall", "/hall"), ("/", "", "/")):
         assert command({"design": "r", "namespace": parameter}, namespace)[4] == root
     with pytest.raises(ValueError, match="parameter 'design' is missing"):

@@ -10,7 +10,7 @@ from launch_ros.parameter_descriptions import ParameterValue
 
 TEXTS = {
     "robophm": "robophm", "namespace": "", "store": "", "journal": "", "record": "", "frame": "base_link", "via": "ros2",
-    "robot": "", "speed": "", "fleet": "", "unit": "1/h",
+    "robot": "", "robots": "", "speed": "", "fleet": "", "unit": "1/h",
 }  # fmt: skip
 SECONDS = {"period": "1.0", "every": "10.0"}
 LISTS = ("tasks", "function", "notify")

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import gc
+import os
 import signal
 import sys
 import threading
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager, nullcontext
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from types import FrameType
@@ -22,39 +23,39 @@ from rich.live import Live
 from robophm.cli import BREACHED, OK
 from robophm.cli.shared.fleet import Fleet, fleet_address, sender
 from robophm.cli.shared.health_output import print_report
-from robophm.cli.shared.live_table import LiveTable
+from robophm.cli.shared.live_table import LiveTable, SeveralTable
 from robophm.cli.shared.options import Design, GrowingStore, Json, Notify, Unit, Via
 from robophm.cli.shared.output import console, may_write, print_json, warn
+from robophm.cli.shared.ros_words import Words
 from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.task_words import stated_speed
 from robophm.cli.shared.unused import refuse_unused
-from robophm.core.counted_notes import FreshNotes
+from robophm.cli.shared.watch_output import Lines, OnTerminal
 from robophm.core.errors import RobophmError, SourceError
-from robophm.core.json_values import plain
+from robophm.core.signal import split_signal
 from robophm.core.supervisor import Supervisor
 from robophm.design.file import load
 from robophm.design.robot import Robot
-from robophm.health.alarms import Alarm
 from robophm.health.report import HealthReport
-from robophm.health.unknown_rates import marked, marks
 from robophm.monitoring.alarm_watch import AlarmWatch
 from robophm.monitoring.live_loop import watch
+from robophm.monitoring.look_ahead import SHARE
 from robophm.monitoring.notices import Notices
 from robophm.monitoring.recording_sessions import missing_signals
 from robophm.monitoring.service_notes import note_service
 from robophm.monitoring.task_assessor import TaskAssessor
-from robophm.report.alarms import alarm_text
-from robophm.report.wear import ranked
-from robophm.report.words import duration_text, number_text, probability_text, rate_text
 from robophm.stores import open_store
 from robophm.stores.alarm_log import AlarmsInMemory
+from robophm.stores.one_of_several import BETWEEN
 from robophm.stores.store import Store
 from robophm.transports.health_topics import HealthRecording, HealthTopics, Outlet, PartReports, TaskService
 from robophm.transports.live.one_robot import OneRobot, namespace_of
+from robophm.transports.live.ros_names import Remapped, RosNames, names_of
+from robophm.transports.live.shared_source import EndedBeforeError, SharedSource, robots_of
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.running_robot import Live as RunningRobot
 from robophm.transports.running_robot import open_live
-from robophm.transports.signals.report_sink import JudgedTask, ReportSink
+from robophm.transports.signals.report_sink import ReportSink
 from robophm.transports.signals.source import LiveSource
 from robophm.transports.tasks.listener import topics_to_hear
 
@@ -93,12 +94,19 @@ class Watched:
     """A new MCAP file that takes health as it is published."""
     robot: str | None = None
     """The namespace below which one of several robots speaks, ``amr_7``, and its name."""
+    robots: str | None = None
+    """Namespaces of several robots that are watched at once, as a list with commas, or a pattern, ``amr_*``."""
+    names: RosNames = field(default_factory=RosNames)
+    """Meanings of names of topics, and the name of the node that listens."""
 
 
 def _only(asked: Watched) -> None:
     """Refuse what is not used for what is asked."""
-    used = ["via", "store", "notify", "journal", "period", "every", "publish", "namespace", "tasks", "speed"]
-    used += ["function", "reports", "fleet", "record", "robot"]
+    used = ["via", "store", "notify", "period", "every", "publish", "tasks", "speed", "function", "reports", "words"]
+    if asked.robots:
+        used += ["robots"]
+        refuse_unused("several robots at once, each with a past and a namespace of its own", [*used, "frame", "unit"])
+    used += ["journal", "namespace", "fleet", "record", "robot"]
     if asked.as_json:
         refuse_unused("JSON, in 1/h", [*used, "frame"])
     if not asked.publish and not asked.record:
@@ -111,6 +119,7 @@ def _only(asked: Watched) -> None:
 
 def command(
     design: Design,
+    words: Words = None,
     via: Via = "auto",
     store: GrowingStore = None,
     journal: Annotated[Path | None, typer.Option(help="write every sample to the end of this journal")] = None,
@@ -122,8 +131,11 @@ def command(
     robot: Annotated[
         str | None, typer.Option(help="of several robots with this design, the one that speaks below this namespace")
     ] = None,
+    robots: Annotated[
+        str | None, typer.Option(help="watch several with this design at once: 'amr_*', or amr_1,amr_2")
+    ] = None,
     namespace: Annotated[
-        str | None, typer.Option(help="of the topics that are published; default that of --robot, else /")
+        str | None, typer.Option(help="of the topics that are published; default that of --robot, else of ROS")
     ] = None,
     frame: Annotated[str, typer.Option(help="where the markers for RViz stand")] = "base_link",
     tasks: Annotated[
@@ -144,10 +156,12 @@ def command(
     as_json: Json = False,
 ) -> None:
     """The health of a robot that runs, from ROS or MQTT and back to it, until it is interrupted."""
-    root = namespace or (namespace_of(robot) if robot else "/")
+    names = names_of(words or (), os.environ.get("ROS_NAMESPACE", ""))
+    os.environ.update(names.environment)
+    root = namespace or (namespace_of(robot) if robot else names.namespace)
     asked = Watched(
         via, store, journal, period, every, root, publish, frame, tuple(tasks or ()), speed, tuple(function or ()),
-        tuple(notify or ()), unit, as_json, reports, fleet, record, robot,
+        tuple(notify or ()), unit, as_json, reports, fleet, record, robot, robots, names,
     )  # fmt: skip
     if run(design, asked):
         raise typer.Exit(BREACHED)
@@ -196,55 +210,120 @@ def run(design: Path, asked: Watched) -> bool:
     may_write(asked.journal, design, *files_of(asked.store))
     may_write(asked.record, design, *files_of(asked.store), *([asked.journal] if asked.journal else []))
     robot = load(design)
-    if asked.robot:
-        robot = replace(robot, path=namespace_of(asked.robot)[1:].replace("/", "_"))
     for name in asked.functions:
         robot.diagram_of(name)  # which must be there
-    speed = stated_speed(asked.speed)
-    fleet = fleet_address(asked.fleet, asked.store) if asked.fleet else None
+    stated_speed(asked.speed)
     for warning in robot.warnings:
         warn(warning)
-    supervisor = Supervisor()
-    health: HealthReport | None = None
     with Notices(asked.notify) as notices, ExitStack() as stack:
         ends = stack.enter_context(_ended_by_signals())
-        opened = open_live(asked.via, period=asked.period)
-        source = stack.enter_context(opened.source)
-        if asked.robot:
-            source = OneRobot(source, asked.robot)
+        opened = open_live(
+            asked.via, period=asked.period, node=asked.names.whole_node, parameters=asked.names.parameters
+        )
+        source = stack.enter_context(Remapped(opened.source, asked.names))
         ends += [source.stop, source.close]
+        gc.collect()  # before anybody is told that there is something to end: signals that come meanwhile are one
+        gc.freeze()  # what is there now stays: not to be looked through again and again while the robot runs
         print(opened.said, file=sys.stderr)
-        _say_what_is_missing(robot, source)
-        kept = stack.enter_context(open_store(asked.store)) if asked.store else None
-        sends = stack.enter_context(sender(asked.store, robot.identity, fleet)) if asked.store and fleet else None
-        written = stack.enter_context(Journal(asked.journal, robot.signals)) if asked.journal else None
-        topics, assessor = _to_ros(robot, opened, asked)
-        sinks = [stack.enter_context(topics)] if topics else []
-        if asked.record:
-            recording = HealthRecording(asked.record)
-            recorded = HealthTopics(robot, recording, namespace=asked.namespace, frame=asked.frame)
-            sinks.append(stack.enter_context(recorded))
-
         out = console()
         to_terminal = out.is_terminal and not asked.as_json
         with Live(console=out, auto_refresh=False) if to_terminal else nullcontext() as live:
-            shown = _OnTerminal(live) if live else _Lines(out, asked)
-            gc.collect()
-            gc.freeze()  # what is there now stays: not to be looked through again and again while the robot runs
-            monitor = watch(
-                robot, source, store=kept, journal=written, period=asked.period, sinks=[*sinks, shown],
-                task_topics=topics_to_hear(asked.tasks, "" if asked.robot else asked.namespace, source.task_topics),
-                speed=speed, functions=asked.functions, on_clock=warn, on_start=lambda _: supervisor.ready("watching"),
-                on_tick=supervisor.alive, alarms=_alarms(robot, kept, [*sinks, shown], notices),
-                assessor=assessor, for_fleet=fleet is not None,
-            )  # fmt: skip
-        supervisor.ending()
+            watching = _Watching(robot, opened, asked, notices, Supervisor(), out, live)
+            ended = _watch_several(watching, source) if asked.robots else [watching.one(source, asked.robot)]
+        watching.supervisor.ending()
         notices.close()
-        if sends:
-            sends.close()
-        health = monitor.report(alarms=True)
-        _say_at_end(health, source.notes + notices.notes, asked)
-    return bool(health and health.breaches)
+        for health, notes in ended:
+            _say_at_end(health, notes, asked)
+        for what, count in sorted(notices.notes.items()):
+            warn(f"{what} ({count} times)")
+        return any(health.breaches for health, _ in ended)
+
+
+End = tuple[HealthReport, Mapping[str, int]]
+"""The health of a robot at the end, and what was noted while it was watched."""
+
+
+@dataclass
+class _Watching:
+    """What is the same for all robots that one process watches."""
+
+    robot: Robot
+    opened: RunningRobot
+    asked: Watched
+    notices: Notices
+    supervisor: Supervisor
+    out: Console
+    live: Live | None
+    several: SeveralTable = field(default_factory=SeveralTable)
+    robots: int = 1
+
+    def one(self, source: LiveSource, name: str | None, whose: str = "") -> End:
+        """Watch one robot until its source ends: the only one, or that of this name, told of by the name ``whose``."""
+        asked, robot = self.asked, self.robot
+        if name:
+            robot = replace(robot, path=namespace_of(name)[1:].replace("/", "_"))
+            source = OneRobot(source, name)
+        fleet = fleet_address(asked.fleet, asked.store) if asked.fleet else None
+        with ExitStack() as stack:
+            _say_what_is_missing(robot, source, asked.names)
+            kept = stack.enter_context(open_store(asked.store)) if asked.store else None
+            sends = stack.enter_context(sender(asked.store, robot.identity, fleet)) if asked.store and fleet else None
+            written = stack.enter_context(Journal(asked.journal, robot.signals)) if asked.journal else None
+            topics, assessor = _to_ros(robot, self.opened, asked)
+            sinks: list[ReportSink] = [stack.enter_context(topics)] if topics else []
+            if asked.record:
+                recording = HealthRecording(asked.record)
+                recorded = HealthTopics(robot, recording, namespace=asked.namespace, frame=asked.frame)
+                sinks.append(stack.enter_context(recorded))
+            sinks.append(self._shown(whose))
+            monitor = watch(
+                robot, source, store=kept, journal=written, period=asked.period, sinks=sinks,
+                task_topics=topics_to_hear(asked.tasks, "" if name else asked.namespace, source.task_topics),
+                speed=stated_speed(asked.speed), functions=asked.functions, on_clock=warn,
+                on_start=lambda _: self.supervisor.ready("watching"), on_tick=self.supervisor.alive,
+                alarms=_alarms(robot, kept, sinks, self.notices), assessor=assessor, for_fleet=fleet is not None,
+                share=SHARE / self.robots,
+            )  # fmt: skip
+            if sends:
+                sends.close()
+            return monitor.report(alarms=True), source.notes
+
+    def _shown(self, whose: str) -> ReportSink:
+        if self.live:
+            return OnTerminal(self.live, self.several if whose else LiveTable(), whose)
+        asked = self.asked
+        return Lines(self.out, every=asked.every, unit=asked.unit, as_json=asked.as_json, whose=whose)
+
+
+def _watch_several(watching: _Watching, source: LiveSource) -> list[End]:
+    """Watch robots of one design side by side, each in a thread, its topics below its namespace, its past its own.
+
+    Raises the first error, after the others have ended.
+    """
+    asked = watching.asked
+    names = robots_of(source, asked.robots or "")
+    print(f"watching {len(names)} robots: {', '.join(names)}", file=sys.stderr)
+    shared = SharedSource(source, names)
+    if asked.store:
+        open_store(asked.store).close()  # made by one alone
+
+    def one(name: str) -> End:
+        store = f"{asked.store}{BETWEEN}{name}" if asked.store else None
+        own = replace(asked, namespace=namespace_of(name), store=store)
+        try:
+            return replace(watching, asked=own, robots=len(names)).one(shared.parts[name], name, name)
+        except RobophmError as error:
+            raise type(error)(f"{name}: {error}") from None
+        finally:
+            shared.parts[name].close()
+
+    with ThreadPoolExecutor(len(names), "robophm") as pool:
+        ends = [pool.submit(one, name) for name in names]
+    failed = [error for end in ends if (error := end.exception())]
+    failed.sort(key=lambda error: isinstance(error, EndedBeforeError))
+    if failed:
+        raise failed[0]
+    return [end.result() for end in ends]
 
 
 def _to_ros(robot: Robot, opened: RunningRobot, asked: Watched) -> tuple[HealthTopics | None, TaskAssessor | None]:
@@ -256,7 +335,7 @@ def _to_ros(robot: Robot, opened: RunningRobot, asked: Watched) -> tuple[HealthT
     if not opened.publisher:
         warn(f"health is not published: {opened.source.place} takes no messages of ROS")
         return None, None
-    outlet = Outlet(opened.generation, opened.node, opened.publisher, opened.server)
+    outlet = Outlet(opened.generation, opened.node, opened.publisher, opened.server, whole=asked.names.of)
     topics = HealthTopics(robot, outlet, namespace=asked.namespace, frame=asked.frame)
     assessor = TaskAssessor(robot)
     unserved = [TaskService(outlet, assessor, asked.namespace).unknown]
@@ -272,9 +351,11 @@ def _to_ros(robot: Robot, opened: RunningRobot, asked: Watched) -> tuple[HealthT
     return topics, assessor
 
 
-def _say_what_is_missing(robot: Robot, source: LiveSource) -> None:
+def _say_what_is_missing(robot: Robot, source: LiveSource, names: RosNames) -> None:
     """Warn of signals of the design that nobody publishes yet."""
     published = {info.topic: (info.type, info.fields) for info in source.topics()}
+    relative = {topic for signal in robot.signals if not (topic := split_signal(signal)[0]).startswith("/")}
+    published |= {topic: published[whole] for topic in relative if (whole := names.of(topic)) in published}
     if not published:
         warn(f"nothing is published yet at {source.place}")
         for hint in source.hidden_by():
@@ -290,89 +371,12 @@ def _say_at_end(health: HealthReport, notes: Mapping[str, int], asked: Watched) 
         print_json(health.to_json(), one_of_many=True)
     else:
         print_report(health, asked.unit)
+    whose = f"{health.robot}: " if asked.robots else ""
     for what, count in sorted(notes.items()):
-        warn(f"{what} ({count} times)")
+        warn(f"{whose}{what} ({count} times)")
 
 
 def _alarms(robot: Robot, store: Store | None, sinks: Sequence[ReportSink], notices: Notices) -> AlarmWatch:
     """The alarms of the robot, told to all who are to know of them."""
     log = store.alarm_log(robot.identity) if store else AlarmsInMemory()
     return AlarmWatch(robot, log, [*(sink.alarmed for sink in sinks), notices.of(robot.name)])
-
-
-SHOWN = ("foretold", "reached", "not followed")
-"""States of wear that a line tells of, of the part that comes first."""
-
-
-class _OnTerminal(ReportSink):
-    """A table that stays where it is, and the tasks and notes above it."""
-
-    def __init__(self, live: Live) -> None:
-        self._live, self._table = live, LiveTable()
-        self._fresh = FreshNotes()
-
-    def noted(self, notes: Mapping[str, int]) -> None:
-        for line in self._fresh.lines(notes):
-            self._live.console.print(f"warning: {line}", markup=False)
-
-    def publish(self, report: HealthReport) -> None:
-        if self._table.due():
-            self._live.update(self._table.draw(report), refresh=True)
-
-    def alarmed(self, changed: Sequence[Alarm], going_on: Sequence[Alarm]) -> None:
-        for one in changed:
-            self._live.console.print(alarm_text(one), markup=False)
-
-    def judged(self, task: JudgedTask) -> None:
-        self._live.console.print(_task_text(task), markup=False)
-
-
-class _Lines(ReportSink):
-    """A line now and then, or a line of JSON."""
-
-    def __init__(self, out: Console, asked: Watched) -> None:
-        self._out, self._asked, self._said = out, asked, time.monotonic()
-        self._fresh = FreshNotes()
-
-    def noted(self, notes: Mapping[str, int]) -> None:
-        for line in self._fresh.lines(notes):
-            warn(line)
-
-    def publish(self, report: HealthReport) -> None:
-        if time.monotonic() - self._said < self._asked.every:
-            return
-        self._said = time.monotonic()
-        if self._asked.as_json:
-            print_json(report.to_json(), one_of_many=True)
-        else:
-            rate = rate_text(report.system.sensor_based.hazard_rate, self._asked.unit)
-            rate = marked(marks(report.system.unknown)[0], rate)
-            told = f"  ({', '.join(report.system.marks)})" if report.system.marks else ""
-            worn = [f"  {one.mode} {one.says}" for one in ranked(report.wear)[:1] if one.state in SHOWN]
-            self._out.print(
-                f"{report.clocks['operating']:.3f} h  λ {rate}{told}{''.join(worn)}", markup=False, soft_wrap=True
-            )
-
-    def alarmed(self, changed: Sequence[Alarm], going_on: Sequence[Alarm]) -> None:
-        for one in changed:
-            if self._asked.as_json:
-                print_json({"alarm": one.to_json()}, one_of_many=True)
-            else:
-                self._out.print(alarm_text(one), markup=False, soft_wrap=True)
-
-    def judged(self, task: JudgedTask) -> None:
-        if self._asked.as_json:
-            print_json({"task": plain(asdict(task))}, one_of_many=True)
-        else:
-            self._out.print(_task_text(task), markup=False)
-
-
-def _task_text(task: JudgedTask) -> str:
-    what = {"succeeded": "done"}.get(task.outcome, task.outcome) if task.done else "arrived"
-    chance = task.completion["sensor_based"]
-    length = f"{number_text(task.distance)} m in {duration_text(task.duration)}"
-    said = probability_text(chance.probability, chance.failure)
-    if left_out := task.unknown:
-        said = f"{left_out.said_ahead(said)} ({left_out.left_out})"
-    done = "completed" if task.outcome == "succeeded" else "to be got through"
-    return f"task {what} on {task.topic}: {length}, {done} with {said}"

@@ -6,7 +6,7 @@ Of an array of raw samples it may be one number of them all: ``/vibration.data[:
 from __future__ import annotations
 
 import re
-from typing import Literal, NamedTuple, cast
+from typing import Literal, NamedTuple, Self, cast
 
 from robophm.core.errors import SourceError
 
@@ -52,6 +52,26 @@ class Sample(NamedTuple):
     """``/topic.field[2]``, ``/topic.field[name]``, or ``clock``."""
     value: float
     """Value in the unit of the message, unconverted; NaN where the message says so."""
+
+
+class WantedSignal(str):
+    """The name of a signal with the unit in which its values are wanted; it is equal to the name alone.
+
+    By it a text that has a unit of its own, as diagnostics have them, is read.
+    """
+
+    unit: str | None
+
+    def __new__(cls, name: str, unit: str | None = None) -> Self:
+        """Return the name with its unit."""
+        made = super().__new__(cls, name)
+        made.unit = unit
+        return made
+
+
+def wanted_unit(signal: str) -> str | None:
+    """The unit in which values of a signal, or of a field of one, are wanted; None where nobody says."""
+    return signal.unit if isinstance(signal, WantedSignal) else None
 
 
 def is_topic(text: str) -> bool:
@@ -172,7 +192,7 @@ def named(field: str) -> bool:
 def no_number(signal: str) -> str:
     """Return why values of a signal are no samples: elements told by name may be texts, such as "8.0 N m"."""
     if named(signal.partition(".")[2]):
-        return f"no finite number: {signal}; expected a number without its unit"
+        return f"no finite number: {signal}; expected a number, alone or with a unit that fits"
     return f"{NOT_FINITE}{signal}"
 
 

@@ -158,6 +158,37 @@ def quantity(text: object, inside: str) -> float:
     return _finite((value / whole if exact else value * scale) + offset)
 
 
+def told(text: str, inside: str | None) -> float:
+    """A number as a device tells it in a text, '23.5 C', '48.1 V' or '12 %', in the unit in which it is wanted.
+
+    A bare number is in that unit. NaN where the text is no number, or has a unit of something else, or none is wanted.
+    """
+    match = _NUMBER.match(text)
+    if not match:
+        return math.nan
+    if not (unit := match[2].strip()):
+        return float(match[1])
+    try:
+        scale, offset = _of_device(unit, inside)
+    except UnitError:
+        return math.nan
+    return float(match[1]) * scale + offset
+
+
+@lru_cache(maxsize=4096)
+def _of_device(unit: str, inside: str | None) -> Conversion:
+    """The map from a unit as devices spell it: C is no coulomb where a temperature is wanted. Raises UnitError."""
+    if inside is None:
+        raise UnitError(f"'{unit:.60}' where no unit is wanted")
+    plain = " ".join(unit.strip("[]()").split())
+    if inside in _TEMPERATURES and (meant := {**_MISTAKEN, "celsius": "degC"}.get(plain.casefold())):
+        plain = meant
+    try:
+        return conversion(plain, inside)
+    except UnitError:
+        return conversion(plain.casefold(), inside)
+
+
 def in_unit(value: float, inside: str, unit: str) -> float:
     """A number that is in ``inside``, in the unit in which somebody wants to see it.
 

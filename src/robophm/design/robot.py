@@ -18,6 +18,7 @@ import numpy.typing as npt
 from robophm.blocks.diagram import Block
 from robophm.core.argument_checks import one_of
 from robophm.core.errors import DesignError
+from robophm.core.signal import WantedSignal
 from robophm.design.robot_table import robot_table
 from robophm.design.task import Plan, Task, TaskStress
 from robophm.design.thresholds import NO_LIMITS, Thresholds
@@ -426,4 +427,4 @@ class Robot(Module):
             for gauge, unit in ((wear.gauge, wear.unit), (wear.ambient, wear.unit), (wear.load, None)):
                 if gauge:
                     found.setdefault(gauge.signal, unit)
-        return found
+        return {WantedSignal(signal, unit): unit for signal, unit in found.items()}

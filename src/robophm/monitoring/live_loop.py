@@ -17,7 +17,7 @@ from robophm.health.reporting import health_now
 from robophm.monitoring.alarm_watch import AlarmWatch
 from robophm.monitoring.clock_steps import ClockSteps
 from robophm.monitoring.live_tasks import LiveTasks
-from robophm.monitoring.look_ahead import LookAhead
+from robophm.monitoring.look_ahead import SHARE, LookAhead
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import MOST_REPORTS, REPAIR, kept_ledger
 from robophm.monitoring.report_history import ReportHistory
@@ -55,6 +55,7 @@ def watch(
     on_task: Callable[[JudgedTask], None] | None = None, on_clock: Callable[[str], None] | None = None,
     on_notes: Callable[[Mapping[str, int]], None] | None = None, on_kept: Callable[[bool], None] | None = None,
     alarms: AlarmWatch | None = None, assessor: TaskAssessor | None = None, for_fleet: bool = False,
+    share: float = SHARE,
 ) -> Monitor:  # fmt: skip
     """Listen until the source is closed, from where the store's ledger stands; return the monitor as it is then.
 
@@ -65,6 +66,8 @@ def watch(
     each step, ``alarms`` looks at each report that sinks are told, ``assessor`` sees the past that it is of,
     ``on_clock`` with words, at once, where the clock jumps ahead, or back so that nothing counts; ``on_notes`` with all
     notes where one is new, as on what was lost, and ``on_kept`` with whether the past was kept, each time it is to be.
+
+    ``share`` of time is what looking ahead takes at most.
 
     ``for_fleet``: the reports that are kept go into the store's outbox too, and state the probability of failing ahead.
 
@@ -79,7 +82,7 @@ def watch(
             robot=robot, source=source, store=store, journal=journal, period=period, sinks=sinks,
             task_topics=task_topics, speed=speed, functions=functions, on_start=on_start, on_tick=on_tick,
             on_task=on_task, on_clock=on_clock, on_notes=on_notes, on_kept=on_kept, alarms=alarms, assessor=assessor,
-            for_fleet=for_fleet,
+            for_fleet=for_fleet, share=share,
         ).run()  # fmt: skip
 
 
@@ -105,6 +108,7 @@ class _Watch:
     alarms: AlarmWatch | None
     assessor: TaskAssessor | None
     for_fleet: bool
+    share: float
 
     def __post_init__(self) -> None:
         ledger = kept_ledger(self.robot, self.store) if self.store else None
@@ -116,7 +120,7 @@ class _Watch:
         self._saved = time.monotonic()
         self._key = f"journal {self.journal.path.resolve()}" if self.journal else ""
         self._mixed = Counter(ledger.counts if ledger else ())
-        self._ahead = LookAhead()
+        self._ahead = LookAhead(share=self.share)
         self._clock = ClockSteps()
         resting = self._course.rest if self.store else None
         self._monitor = Monitor(self.robot, ledger, period=self.period, on_tick=self._tick, on_rest=resting)
@@ -157,7 +161,7 @@ class _Watch:
                 elif isinstance(heard, Gap):
                     if self.journal:
                         self.journal.gap(heard.topic, heard.why)
-                else:
+                elif isinstance(heard, Sample):
                     self._take(heard)
                 self._look_around()
             self._note_orders()

@@ -18,23 +18,28 @@ SHARE = 0.1
 class LookAhead(threading.Thread):
     """Looks ahead from the newest report that it was given, in a thread of its own; a context manager."""
 
-    def __init__(self, *, parts: bool = True) -> None:
-        """Prepare the thread; ``parts``: look ahead at every component too."""
+    def __init__(self, *, parts: bool = True, share: float = SHARE) -> None:
+        """Prepare the thread; ``parts``: look ahead at every component too; ``share`` of time that it takes at most."""
         super().__init__(name="robophm look ahead", daemon=True)
         self.latest: HealthReport | None = None
         """The newest look ahead."""
         self.fault: Exception | None = None
         """Error by which the thread ended before its time; None where it did not."""
-        self._parts = parts
+        self._parts, self._share = parts, share
         self._given: HealthReport | None = None
         self._woken = threading.Event()
         self._closed = threading.Event()
         self._begun = 0.0
 
     def beside(self, now: HealthReport) -> HealthReport:
-        """Return the report with the newest look ahead, and ask for another. Raises what looking ahead raised."""
+        """Return the report with the newest look ahead, and ask for another. Raises what looking ahead raised.
+
+        Beside the first report stands the completion of its task, which is found at once; remaining lives come later.
+        """
         if self.fault:
             raise self.fault
+        if self.latest is None and now.task is not None:
+            self.latest = look_ahead(now, remaining_life=False)
         self._given = now
         self._woken.set()
         return with_earlier_look(now, self.latest) if self.latest else now
@@ -61,7 +66,7 @@ class LookAhead(threading.Thread):
 
     def _pause(self) -> None:
         """Pause so much longer than was worked that the work is a small share."""
-        if self._closed.wait((time.thread_time() - self._begun) * (1 / SHARE - 1)):
+        if self._closed.wait((time.thread_time() - self._begun) * (1 / self._share - 1)):
             raise _ClosedError
         self._begun = time.thread_time()
 

@@ -8,23 +8,28 @@ progress of replays and new reports in one step: after a crash all of it is ther
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 from robophm.core.argument_checks import shown
 from robophm.core.errors import RobophmError, StoreError, nearest
 from robophm.core.registry import has_plug, load_class, plugs
+from robophm.stores.one_of_several import BETWEEN, one_of_several
 from robophm.stores.store import Restored, Store
 
 __all__ = ["Address", "Store", "existing_store", "open_store", "stores"]
 
 NOT_PLUGS = (
-    "store", "alarm_log", "events", "figures", "kept_events", "kept_history", "kept_reports", "migration", "outbox",
-    "pyramid", "service_requests", "sqlite_alarms", "trend", "upkeep",
+    "store", "alarm_log", "events", "figures", "kept_events", "kept_history", "kept_reports", "migration",
+    "one_of_several", "outbox", "pyramid", "service_requests", "sqlite_alarms", "trend", "upkeep",
 )  # fmt: skip
 """The interface, and what its plugs are built of."""
 
+_ROBOT = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*)*\Z", re.ASCII)
+
 Address = str | os.PathLike[str]
-"""Which store, and where: ``sqlite:robots.db``; a path alone is one in SQLite."""
+"""Which store, and where: ``sqlite:robots.db``; a path alone is one in SQLite. Of several robots that share one the
+robot's name stands behind it, ``robots.db#amr_2``."""
 
 
 def stores() -> list[str]:
@@ -39,7 +44,9 @@ def open_store(address: Address) -> Store:
     """
     kind, where = _kind_and_place(address)
     try:
-        return kind(where)
+        store = kind(where)
+        robot = _split(address)[2]
+        return one_of_several(where, store, robot) if robot else store
     except RobophmError:
         raise
     except Exception as error:  # whatever a store of another package raises where it is given something else
@@ -67,22 +74,30 @@ def restore_store(address: Address) -> Restored | None:
 
 
 def place_of(address: Address) -> str:
-    """The place of a store, such as its path: the address without the kind of store before it."""
+    """The place of a store, such as its path: the address without its kind before it, and a robot behind it."""
     return _split(address)[1]
 
 
-def _split(address: Address) -> tuple[str, str]:
+def _split(address: Address) -> tuple[str, str, str]:
+    """The kind of a store, its place, and of several robots in it the one that is meant."""
     if not isinstance(address, str | os.PathLike) or not isinstance(text := os.fspath(address), str) or not text:
         raise StoreError(f"store {shown(address)}: expected a path, or its kind and where it is, sqlite:robots.db")
+    text, robot = _robot_in(text)
     name, colon, where = text.partition(":")
     if colon and has_plug(__name__, name):
-        return name, where
+        return name, where, robot
     if colon and len(name) > 1 and name.isalpha() and not Path(text).exists():  # one letter is a drive of Windows
         raise StoreError(f"store {text:.60}: no kind of store '{name:.60}'{nearest(name, stores())}; "
                          f"a file of that name is ./{text:.60}")  # fmt: skip
-    return "sqlite", text
+    return "sqlite", text, robot
+
+
+def _robot_in(text: str) -> tuple[str, str]:
+    """An address without the name of a robot behind it, and that name; a file that is called so has none."""
+    place, between, robot = text.rpartition(BETWEEN)
+    return (place, robot) if between and place and _ROBOT.match(robot) and not Path(text).exists() else (text, "")
 
 
 def _kind_and_place(address: Address) -> tuple[type[Store], str]:
-    name, where = _split(address)
+    name, where, _ = _split(address)
     return load_class(__name__, name, "store", Store), where  # type: ignore[type-abstract]

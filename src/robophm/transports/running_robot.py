@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
@@ -53,11 +53,14 @@ class Live:
         return f"listening to {self.system} ({self.transport}): {self.reason}"
 
 
-def open_live(choice: str = "auto", *, period: float = 0.5) -> Live:
+def open_live(
+    choice: str = "auto", *, period: float = 0.5, node: str = "", parameters: Mapping[str, Any] | None = None
+) -> Live:
     """Open the live source that is chosen, or that of the ROS that runs here.
 
     ``choice`` is one of CHOICES or the address of a router of Zenoh, an MQTT broker, a Foxglove or rosbridge
-    server; the clock comes at multiples of ``period`` [s].
+    server; the clock comes at multiples of ``period`` [s]. On ROS 1 the node that listens is called ``node`` and has
+    these private ``parameters``.
 
     Raises SourceError where it cannot be spoken, or there is none.
     """
@@ -79,7 +82,8 @@ def open_live(choice: str = "auto", *, period: float = 0.5) -> Live:
         from robophm.transports import ros1
 
         refuse_enforced_security("ROS 1 has no security")
-        return Live(ros1.Ros1(period=period), "ROS 1", "ros1", reason, ros1.Node, ros1.Publisher, ros1.Service)
+        source = ros1.Ros1(period=period, node=node, parameters=parameters)
+        return Live(source, "ROS 1", "ros1", reason, ros1.Node, ros1.Publisher, ros1.Service)
     return {"dds": _dds, "rclpy": _rclpy}.get(choice, _ros2)(reason, period)
 
 

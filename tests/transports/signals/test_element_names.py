@@ -360,8 +360,8 @@ def test_data_lists_the_names(tmp_path, write_messages):
     assert found.exit_code == 0, found.output
 
 
-def test_a_text_with_a_unit_in_it_is_refused_in_words(tmp_path, write_messages):
-    """8.0 N m is finite: what was expected is its number alone."""
+def test_a_text_with_a_unit_of_something_else_is_refused_in_words(tmp_path, write_messages):
+    """8.0 V is finite, and no torque; 8.0 N m is the rated load of 10 at 0.8, by its cube 0.512 of 100 FIT."""
     signal = "/diagnostics.status[arm: motor 1].values[Effort].value"
     design = f"""schema_version: 1
 name: Arm
@@ -369,10 +369,12 @@ components:
   Lift: {{rate: 100 FIT, acceleration: {{model: cubic_load}}, signals: {{load: {{topic: /diagnostics,
     field: "{signal.partition(".")[2]}", unit: N*m, rated: 10, range: [-500, 500]}}}}}}
 """
-    said = [diagnostics(T0 + i * SECOND, [("Effort", "8.0 N m" if i < 3 else "8.0")]) for i in range(5)]
+    said = [diagnostics(T0 + i * SECOND, [("Effort", "8.0 V" if i < 3 else "8.0 N m")]) for i in range(5)]
     path = write_messages(tmp_path / "drive.mcap", said)
-    words = f"no finite number: {signal}; expected a number without its unit"
-    assert f"3 samples not taken: {words}" in replay(parse(design), path).notes
+    words = f"no finite number: {signal}; expected a number, alone or with a unit that fits"
+    health = replay(parse(design), path)
+    assert f"3 samples not taken: {words}" in health.notes
+    assert health.system.sensor_based.hazard_rate == pytest.approx(51.2e-9)
 
 
 def test_names_are_looked_for_at_several_places_and_more_may_be(tmp_path, write_messages):

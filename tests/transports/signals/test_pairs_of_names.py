@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from robophm.cli.app import app
 from robophm.core.errors import SourceError
-from robophm.core.signal import SECOND, bracketed, signal_name, split_signal
+from robophm.core.signal import SECOND, WantedSignal, bracketed, signal_name, split_signal
 from robophm.design.file import load
 from robophm.monitoring.replay import replay
 from robophm.transports.recordings.recording import Recording
@@ -160,7 +160,25 @@ def test_recordings_are_read_listed_and_counted(tmp_path, name, ros):
     health = replay(load(tmp_path / "robot.yaml"), path)
     rates = {one.path: one.sensor_based_hazard_rate for one in health.components}
     assert rates == {"motor 3": pytest.approx(1e-5 * 2**3), "elbow gear": pytest.approx(1e-5 * 2**3)}
-    assert f"5 samples not taken: no finite number: {HOT}; expected a number without its unit" in health.notes
+    assert (
+        f"5 samples not taken: no finite number: {HOT}; expected a number, alone or with a unit that fits"
+        in health.notes
+    )
+
+
+@pytest.mark.parametrize(("name", "ros"), [("drive.bag", 1), ("drive.db3", 2), ("drive.mcap", 2)])
+def test_texts_with_a_unit_are_in_the_unit_that_is_wanted(tmp_path, name, ros):
+    """As the columns and message by message have them: 296.65 K are 23.5 °C."""
+    said = ["23.5 C", "296.65 K", "23.5", "48 V"]
+    path = written(
+        tmp_path / name,
+        ros,
+        [("/diagnostics", T0 + i * SECOND, status("motor 3", {"temperature": one})) for i, one in enumerate(said)],
+    )
+    for unit, expected in (("degC", [23.5, 23.5, 23.5]), ("K", [296.65, 296.65, 23.5])):
+        values = two_ways(path, [WantedSignal(HOT, unit)])[0][HOT]
+        assert values[:3] == pytest.approx(expected, rel=1e-12)
+        assert np.isnan(values[3])
 
 
 def test_commands_take_a_pair_and_bind_proposes_what_is_named(tmp_path):

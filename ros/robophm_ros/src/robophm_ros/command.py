@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 
-FLAGS = ("period", "store", "journal", "record", "frame", "speed", "via", "fleet", "every", "unit", "robot")
+FLAGS = ("period", "store", "journal", "record", "frame", "speed", "via", "fleet", "every", "unit", "robot", "robots")
 """Parameters that are options of ``robophm watch`` by the same name; empty is none."""
 
 LISTS = ("tasks", "function", "notify")
@@ -22,7 +22,7 @@ def command(parameters, namespace="/"):
         raise ValueError("parameter 'design' is missing; expected the path of a robot.yaml")
     words = [os.path.expanduser(parameters.get("robophm") or "robophm"), "watch", parameters["design"]]
     root = parameters.get("namespace") or namespace.rstrip("/")
-    if root or not parameters.get("robot"):  # whose namespace is where it is published then
+    if not parameters.get("robots") and (root or not parameters.get("robot")):  # published in namespaces of their own
         words += ["--namespace", root or "/"]
     for name in FLAGS:
         value = parameters.get(name)

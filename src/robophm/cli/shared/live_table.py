@@ -11,11 +11,13 @@ from rich.measure import Measurement
 from rich.text import Text
 
 from robophm.cli.shared.health_output import COURSE, health_table, mark_lines
+from robophm.cli.shared.output import table
 from robophm.health.report import HealthReport
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.wear_watch import GROWTH, WearWatch
 from robophm.report.curve import sparkline
 from robophm.report.wear import wear_lines
+from robophm.report.words import duration_text, probability_text, rate_text
 
 REDRAW = 0.25
 """Seconds between two looks, at least."""
@@ -69,6 +71,9 @@ class LiveTable:
         self.cost = time.monotonic() - begun
         return drawn
 
+    def note(self, report: HealthReport) -> None:
+        """Leave a report out, that comes too soon after the one before."""
+
     def draw(self, report: HealthReport) -> RenderableType:
         """Return what to draw of a report."""
         self.drawn = time.monotonic()
@@ -79,3 +84,39 @@ class LiveTable:
         worn = [line for line, _ in wear_lines(report.wear, report.outlooks["sensor_based"].plant)]
         lines = [f"{report.clocks['operating']:.1f} h of operation", *mark_lines(report)[:MOST_MARKED]]
         return Group(table, Text("\n".join([*lines, *worn[:MOST_MARKED]])))
+
+
+class SeveralTable:
+    """One line of health for each of several robots."""
+
+    def __init__(self) -> None:
+        self._reports: dict[str, HealthReport] = {}
+        self._drawn = 0.0
+
+    def due(self) -> bool:
+        """Whether it is time to look again."""
+        return time.monotonic() - self._drawn >= REDRAW
+
+    def note(self, report: HealthReport) -> None:
+        """Keep a robot's report for the next look."""
+        self._reports[report.robot] = report
+
+    def draw(self, report: HealthReport) -> RenderableType:
+        """Return the lines of all robots, with this report of one."""
+        self.note(report)
+        self._drawn = time.monotonic()
+        rows = [_line(name, self._reports[name]) for name in sorted(self._reports)]
+        return table("", ["robot", "hours", "λ nominal", "λ sensor", "R sensor", "median life", "task", "state"], rows,
+                     figures=range(1, 7))  # fmt: skip
+
+
+def _line(name: str, report: HealthReport) -> list[str]:
+    one = report.system
+    lived = one.sensor_based
+    life, done = lived.remaining_life, lived.completion
+    return [
+        name, f"{report.clocks['operating']:.3f}", rate_text(one.nominal.hazard_rate, "1/h"),
+        rate_text(lived.hazard_rate, "1/h"), probability_text(lived.reliability, lived.unreliability),
+        duration_text(life.median) if life else "", probability_text(done.probability, done.failure) if done else "",
+        "; ".join((*one.breaches, *one.warnings, *one.marks)) or one.state,
+    ]  # fmt: skip

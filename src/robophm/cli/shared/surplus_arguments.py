@@ -9,6 +9,8 @@ from typing import Any
 
 from typer.core import TyperCommand
 
+from robophm.cli.shared.ros_words import surplus, takes_words, with_options
+
 RECORDINGS = (".bag", ".mcap", ".db3", ".ulg", ".bin", ".tlog", ".journal", ".parquet")
 DESIGNS = (".yaml", ".yml")
 DESCRIPTIONS = (".urdf", ".xacro")
@@ -22,25 +24,27 @@ class StrictCommand(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Return what the options leave over. Raises UsageError where that is more than the command takes."""
+        if takes_words(self):
+            args = with_options(ctx, args)
         left = super().parse_args(ctx, args)
-        if ctx.args and not ctx.resilient_parsing:
-            ctx.fail(refusal(self, ctx.args))
+        if (more := [*ctx.args, *surplus(ctx)]) and not ctx.resilient_parsing:
+            ctx.fail(refusal(self, more))
         return left
 
 
-def refusal(command: Any, surplus: Sequence[str]) -> str:
+def refusal(command: Any, words: Sequence[str]) -> str:
     """Return what is said of arguments that a command does not take.
 
     >>> refusal(TyperCommand("topics"), ["day.mcap"])
     "'day.mcap' is more than topics takes; expected, of a recording, robophm data day.mcap"
     """
-    named = ", ".join(f"'{word:.60}'" for word in surplus[:3]) + ", …" * (len(surplus) > 3)
-    said = f"{named} {'is' if len(surplus) == 1 else 'are'} more than {command.name} takes"
+    named = ", ".join(f"'{word:.60}'" for word in words[:3]) + ", …" * (len(words) > 3)
+    said = f"{named} {'is' if len(words) == 1 else 'are'} more than {command.name} takes"
     options = {option: one for one in command.params for option in one.opts if option.startswith("--")}
-    taken = [_option(options, word) for word in surplus]
+    taken = [_option(options, word) for word in words]
     if all(taken):
         return f"{said}; expected {' '.join(taken)}"
-    others = list(dict.fromkeys(filter(None, (_command(command.name, word) for word in surplus))))
+    others = list(dict.fromkeys(filter(None, (_command(command.name, word) for word in words))))
     return said + (f"; expected, {' or '.join(others[:2])}" if others else "")
 
 

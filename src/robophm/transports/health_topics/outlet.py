@@ -25,21 +25,24 @@ class Outlet:
 
     def __init__(
         self, generation: Generation, node: Callable[[str], Any], publisher: Callable[..., Publisher],
-        server: Callable[..., Any] | None = None,
+        server: Callable[..., Any] | None = None, *, whole: Callable[[str], str] = str,
     ) -> None:  # fmt: skip
         """``server`` makes a server of a node, service, type, its two definitions and who answers, where there is
-        one.
+        one; ``whole`` returns what a topic or service is published as.
         """
         self.generation = generation
         self._node = node
         self._publisher = publisher
         self._server = server
+        self._whole = whole
         self._nodes: dict[str, Any] = {}
 
     def publisher(self, node: str, topic: str, type_: str, *, latched: bool) -> Publisher:
         """Return a publisher in the node of this name; raises SourceError where it cannot be."""
         spelled = type_.replace("/msg/", "/") if self.generation == 1 else type_
-        return self._publisher(self._named(node), topic, spelled, definition(type_, self.generation), latched=latched)
+        return self._publisher(
+            self._named(node), self._whole(topic), spelled, definition(type_, self.generation), latched=latched
+        )
 
     def serve(self, node: str, service: str, type_: str, answer: Callable[[Any], Mapping[str, Any]]) -> None:
         """Serve a service from the node of this name, where this transport has services.
@@ -49,7 +52,7 @@ class Outlet:
         """
         if self._server:
             texts = [definition(each, self.generation) for each in service_types(type_, self.generation)]
-            self._server(self._named(node), service, type_, texts, answer)
+            self._server(self._named(node), self._whole(service), type_, texts, answer)
 
     def _named(self, node: str) -> Any:
         if node not in self._nodes:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from robophm.core.errors import SourceError
-from robophm.core.signal import SECOND, Element, named, split_signal
+from robophm.core.signal import SECOND, Element, named, split_signal, wanted_unit
 from robophm.transports.recordings.columns.field_extraction import Program
 from robophm.transports.recordings.columns.message_layout import NotCompilableError, compile_fields
 from robophm.transports.recordings.columns.single import Single
@@ -62,7 +62,7 @@ class TopicDecoder:
         for signal in sorted(signals):
             path = self.type.definitions, self.type.name, split_signal(signal)[1]
             try:
-                getter = field_getter(*path)
+                getter = field_getter(*path, wanted_unit(signal))
                 ways = ways_to(*path)
                 self._elements[signal] = ways[0].attribute, ways[0].element
                 if namer := name_getter(ways):

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
-from collections.abc import Collection, Iterator
-from dataclasses import replace
 
 from robophm.core.errors import SourceError, nearest
-from robophm.core.signal import CLOCK, Sample
-from robophm.transports.signals.source import LiveItem, LiveSource, TopicInfo
+from robophm.transports.live.renamed import RenamedSource
+from robophm.transports.signals.source import LiveSource, TopicInfo
 
 _NAME = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*)*\Z", re.ASCII)
 
@@ -22,22 +19,15 @@ def namespace_of(robot: str) -> str:
     return f"/{name}"
 
 
-class OneRobot(LiveSource):
+class OneRobot(RenamedSource):
     """A live source as one robot's own: of ``/amr_7/motor`` the topic ``/motor``. What is not below is not heard.
 
-    Closing it closes the source. Raises SourceError where the name is no namespace.
+    Raises SourceError where the name is no namespace.
     """
 
     def __init__(self, source: LiveSource, robot: str) -> None:
         self.root = namespace_of(robot)
-        self._source = source
-        self.fingerprint = source.fingerprint
-        self.announced, self.task_topics = source.announced, source.task_topics
-
-    @property
-    def notes(self) -> Counter[str]:  # type: ignore[override]  # the source begins new ones when it is listened to
-        """Return the notes of the source, by the whole names of topics."""
-        return self._source.notes
+        super().__init__(source, lambda topic: f"{self.root}/{topic.removeprefix('/')}")
 
     @property
     def place(self) -> str:
@@ -55,23 +45,4 @@ class OneRobot(LiveSource):
         """Return the topics of the robot, named from its namespace."""
         below = f"{self.root}/"
         found = (info for info in self._source.topics() if info.topic.startswith(below))
-        return [replace(info, topic=info.topic.removeprefix(self.root)) for info in found]
-
-    def listen(self, signals: Collection[str], topics: Collection[str]) -> Iterator[LiveItem]:
-        """Yield what the source gives below the namespace. Raises SourceError as the source does, by whole names."""
-        self._source.known_to = self.known_to
-        wanted = [f"{self.root}{signal}" for signal in signals if signal != CLOCK]
-        return map(self._own, self._source.listen(wanted, [f"{self.root}{topic}" for topic in topics]))
-
-    def _own(self, heard: LiveItem) -> LiveItem:
-        if isinstance(heard, Sample):
-            return heard._replace(signal=heard.signal.removeprefix(self.root))
-        return heard._replace(topic=heard.topic.removeprefix(self.root))
-
-    def stop(self) -> None:
-        """End ``listen`` once all that has come so far has been taken."""
-        self._source.stop()
-
-    def close(self) -> None:
-        """Close the source."""
-        self._source.close()
+        return [info.called(info.topic.removeprefix(self.root)) for info in found]

@@ -18,7 +18,7 @@ from robophm.transports.live.machine_time import MachineTime
 from robophm.transports.live.simulated_time import SimulatedTime
 from robophm.transports.signals.element_names import Names
 from robophm.transports.signals.incidents import Incidents
-from robophm.transports.signals.source import STAMP_LIMIT, Gap, LiveItem, LiveSource, WholeMessage
+from robophm.transports.signals.source import STAMP_LIMIT, Gap, LiveItem, LiveSource, Untimed, WholeMessage
 
 CLOCK_TOPIC = "/clock"
 """The topic of time under use_sim_time (wiki.ros.org/Clock, design.ros2.org/articles/clock_and_time)."""
@@ -155,6 +155,8 @@ class Receiver:
         if now := self._receipt():
             self._told = now
             self._put([Sample(now, CLOCK, math.nan if self._clock.now else self._machine.ahead)])
+        else:
+            self._put([Untimed()])
 
     def _receipt(self) -> int:
         """The time that what comes now gets; 0 before there is any."""
@@ -205,6 +207,8 @@ class Queue:
             self._gathered += heard
 
     def _drop(self, one: LiveItem) -> None:
+        if isinstance(one, Untimed):
+            return
         if isinstance(one, Gap):
             self._gaps.add(one)
             return

@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from types import SimpleNamespace
 from typing import Any
 
-from robophm.core.signal import SECOND, Reduction, Step, named, split_signal, steps_of
+from robophm.core.signal import SECOND, Reduction, Step, named, split_signal, steps_of, wanted_unit
 from robophm.transports.live.decoding import Numbers
 from robophm.transports.signals.array_reduction import reduced
 from robophm.transports.signals.element_names import DEEPEST, NotNamedError, fields_in, namer_of, number
@@ -124,7 +124,7 @@ class JsonDecoder:
             told = signal in self._told
             try:
                 value, name = _walked(message, steps)
-                values.append((signal, _number(value, told=told)))
+                values.append((signal, _number(value, wanted_unit(signal), told=told)))
             except NotNamedError as error:
                 unnamed.append((signal, [name for name in error.names if isinstance(name, str)]))
             except (IndexError, AttributeError, TypeError, ValueError, OverflowError):
@@ -163,8 +163,8 @@ def _walked(message: SimpleNamespace, steps: Sequence[Step]) -> tuple[Any, str]:
     return chain[-1], "/".join(at_index)
 
 
-def _number(value: Any, *, told: bool) -> float:
+def _number(value: Any, unit: str | None, *, told: bool) -> float:
     """A value as a number; of an element that is told by its name a text is read too. Raises TypeError."""
     if isinstance(value, int | float) or (told and isinstance(value, str)):
-        return number(value)
+        return number(value, unit)
     raise TypeError

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from robophm.core.errors import SourceError, nearest
-from robophm.core.signal import SECOND, Sample, split_signal
+from robophm.core.signal import SECOND, Sample, split_signal, wanted_unit
 from robophm.health.clock_jumps import CLOCK_JUMP, stretches
 from robophm.transports.recordings.files import EmptyError, reading
 from robophm.transports.signals.element_names import (
@@ -352,7 +352,7 @@ def readings_of(
                 values, names = [], []
                 for signal, field in wanted[connection.topic]:
                     try:
-                        values.append((signal, field_getter(type_.definitions, type_.name, field)))
+                        values.append((signal, field_getter(type_.definitions, type_.name, field, wanted_unit(signal))))
                         if name_of := name_getter(ways_to(type_.definitions, type_.name, field)):
                             names.append((signal, name_of))
                     except SourceError as error:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import threading
+import time
 from typing import Any
 
 from robophm.transports.ros1.xmlrpc import call
@@ -19,7 +22,28 @@ def published_topics(master: str, caller: str) -> list[tuple[str, str]]:
     return sorted((topic, type_) for topic, type_ in table)
 
 
-def system_state(master: str, caller: str) -> tuple[Nodes, Nodes, Nodes]:
+State = tuple[Nodes, Nodes, Nodes]
+"""Publishers and subscribers of each topic, and who serves each service."""
+
+_lately: dict[str, tuple[float, State]] = {}
+_asking: dict[str, threading.Lock] = {}
+
+
+def recent_state(master: str, caller: str, age: float) -> State:
+    """Return the system's state as it was at most so many seconds ago, asked once for all nodes of this process.
+
+    Raises PeerError.
+    """
+    with _asking.setdefault(master, threading.Lock()):
+        at, state = _lately.get(master, (-math.inf, ({}, {}, {})))
+        if time.monotonic() - at > age:
+            _lately.pop(master, None)
+            state = system_state(master, caller)
+            _lately[master] = time.monotonic(), state
+        return state
+
+
+def system_state(master: str, caller: str) -> State:
     """Return publishers and subscribers of each topic, and who serves each service. Raises PeerError."""
     tables = call(master, "getSystemState", caller)
     if not isinstance(tables, list) or len(tables) < 3 or not all(map(_pairs, tables[:3])):

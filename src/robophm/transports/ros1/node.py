@@ -14,7 +14,7 @@ from typing import Any, Self
 from robophm.core.errors import SourceError
 from robophm.transports.ros1.environment import place
 from robophm.transports.ros1.loop import Loop
-from robophm.transports.ros1.master import system_state
+from robophm.transports.ros1.master import recent_state, system_state
 from robophm.transports.ros1.served_subscriber import PendingCaller, Publication, Served
 from robophm.transports.ros1.slave import Caller, Slave, believed
 from robophm.transports.ros1.xmlrpc import call
@@ -138,14 +138,14 @@ class Node:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def register(self) -> None:
-        """Look once at what the master knows, and register what it does not. Raises PeerError."""
+    def register(self, age: float = 0.0) -> None:
+        """Look at what the master knows, or knew ``age`` [s] ago, and register what it does not. Raises PeerError."""
         with self._registering:
-            self._register()
+            self._register(age)
 
-    def _register(self) -> None:
+    def _register(self, age: float) -> None:
         stale, self._stale = self._stale, set()
-        publishers, subscribers, servers = system_state(self.place.master, self.name)
+        publishers, subscribers, servers = recent_state(self.place.master, self.name, age)
         for topic, publisher in list(self.published.items()):
             if topic not in self._registered or self.name not in publishers.get(topic, ()):
                 self.ask("registerPublisher", topic, publisher.type, self.uri)
@@ -162,10 +162,11 @@ class Node:
                 self._publishers[topic] = known
 
     def _keep(self) -> None:
+        asked = True
         while not (self._closed or self._retired):
             self._woken.clear()
             try:
-                self.register()
+                self.register(0.0 if asked else POLL_SECONDS / 2)
             except PeerError:
                 if not self._away:
                     self.notes.add("master lost")
@@ -178,7 +179,7 @@ class Node:
                     self.notes.add("master came back")
                 self._away = False
             time.sleep(0.05)  # however often it is woken
-            self._woken.wait(0 if self._closed or self._retired else POLL_SECONDS)
+            asked = self._woken.wait(0 if self._closed or self._retired else POLL_SECONDS)
         self._unregister()
 
     def _unregister(self) -> None:

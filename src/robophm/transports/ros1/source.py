@@ -6,6 +6,7 @@ import uuid
 from collections.abc import Collection, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from typing import Any
 
 from robophm.core.errors import SourceError
 from robophm.transports.live.receiving import (
@@ -45,15 +46,21 @@ class Ros1(ListeningSource):
     counts what was dropped, refused, unreadable, missing in the sequence of a publisher, and made anew. Clock samples
     come at whole multiples of ``period`` [s], and at least twice a second.
 
+    The node that listens is called ``node``, ``/amr_7/robophm``, and has these private ``parameters`` at the master.
+
     Raises SourceError where there is no master.
     """
 
-    def __init__(self, master: str | None = None, *, queue: int = QUEUE, period: float = TICK) -> None:
+    def __init__(
+        self, master: str | None = None, *, queue: int = QUEUE, period: float = TICK, node: str = "",
+        parameters: Mapping[str, Any] | None = None,
+    ) -> None:  # fmt: skip
         self.fingerprint = uuid.uuid4().hex  # what is live is never the same twice
         self.notes = Incidents()
         self._queue = queue
         self._tick = tick_of(period)
         self._master = place(master).master
+        self._name, self._parameters = node, parameters or {}
         self._closed = False
         self._types: dict[tuple[str, str], MessageType] = {}
         try:
@@ -125,7 +132,10 @@ class Ros1(ListeningSource):
             raise SourceError("the source is closed")
         self.notes = Incidents()
         queue = Queue(self.notes, self._queue)
-        node = Node(master=self._master, notes=self.notes)
+        node = Node(self._name or None, master=self._master, notes=self.notes)
+        for name, value in self._parameters.items():
+            with suppress(PeerError):  # as another of its name may set them
+                node.ask("setParam", f"{node.name}/{name}", value)
         node.loop.tick = self._tick
         node.loop.served = queue.hand_on
         node.told_to_end = queue.end

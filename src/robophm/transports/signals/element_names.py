@@ -7,8 +7,6 @@ DynamicJointState); or each has one string, which can be nothing else (the ``chi
 
 from __future__ import annotations
 
-import math
-import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
@@ -19,12 +17,12 @@ from typing import Any, NamedTuple
 
 from robophm.core.errors import nearest
 from robophm.core.signal import REORDERED, Element, Reduction, bracketed, steps_of
+from robophm.core.units import told
 from robophm.transports.signals.array_reduction import reduced
 
 _NAMES = ("name", "names", "key", "keys")
 _OWN_NAMES = ("Name", "Key", "Type", "Id")
 """Endings of the field by which JSON names an object, best first: ``referenceKey``, ``errorType`` (VDA 5050)."""
-_NUMBER = re.compile(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*\Z", re.ASCII)
 MOST_NAMES = 50
 """The most names that are kept to say which there are."""
 
@@ -104,11 +102,12 @@ def namer_of(around: Sequence[Iterable[Field]], array: str, within: Iterable[Fie
     return None
 
 
-def number(value: Any) -> float:
-    """Return a value as a number; a text that is none is not a number (NaN), which is no sample."""
-    if isinstance(value, str):
-        return float(value) if _NUMBER.match(value) else math.nan
-    return float(value)
+def number(value: Any, unit: str | None = None) -> float:
+    """Return a value as a number; a text may have a unit of its own, which is converted to the one that is wanted.
+
+    What is no such text is not a number (NaN), which is no sample.
+    """
+    return told(value, unit) if isinstance(value, str) else float(value)
 
 
 class Way(NamedTuple):

@@ -358,24 +358,24 @@ def holds_bytes(type_: MessageType) -> bool:
     return False
 
 
-def field_getter(definitions: Typesdict, type_: str, field: str) -> Callable[[Any], Any]:
+def field_getter(definitions: Typesdict, type_: str, field: str, unit: str | None = None) -> Callable[[Any], Any]:
     """Return what takes one number, ``pose.x``, ``effort[2]`` or ``effort[elbow]``, out of a decoded message.
 
     It raises IndexError where the message has no such element. A text in an element that is told by its name, as of
-    diagnostics, is read as a number.
+    diagnostics, is read as a number, in ``unit`` where it has a unit of its own.
 
     Raises SourceError, as the end of a sentence about the topic, where the type has no such number.
     """
     ways = ways_to(definitions, type_, field)
     if any(way.element is not None for way in ways):
-        return _getter(ways)
+        return _getter(ways, unit)
     return attrgetter(".".join(way.attribute for way in ways))
 
 
-def _getter(ways: Sequence[Way]) -> Callable[[Any], Any]:
+def _getter(ways: Sequence[Way], unit: str | None) -> Callable[[Any], Any]:
     if any(isinstance(way.element, str | Reduction) for way in ways):
         value_of = getter(ways)
-        return lambda message: number(value_of(message))
+        return lambda message: number(value_of(message), unit)
     steps: list[Callable[[Any], Any]] = []
     names: list[str] = []
     for way in ways:

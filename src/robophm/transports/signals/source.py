@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
@@ -33,6 +33,10 @@ class TopicInfo:
     """Why nothing of it can be heard now, as far as the source knows."""
     elements: tuple[str, ...] = ()
     """Paths of numbers of messages in arrays, ``esc[0].esc_temperature``, where the source tells how many there are."""
+
+    def called(self, topic: str) -> TopicInfo:
+        """Return the same topic by another name."""
+        return replace(self, topic=topic)
 
     @property
     def rate(self) -> float | None:
@@ -127,8 +131,15 @@ class Gap(NamedTuple):
     """Reason as the notes count it: ``connection lost``."""
 
 
-LiveItem = Sample | WholeMessage | Gap
-"""An item that a live source gives: a sample, a whole message, or a gap."""
+class Untimed(NamedTuple):
+    """Time went on, but what comes has none yet, as before the first of /clock: who listens may look around."""
+
+    topic: str = "/clock"
+    """Topic that is waited for."""
+
+
+LiveItem = Sample | WholeMessage | Gap | Untimed
+"""An item that a live source gives: a sample, a whole message, a gap, or a sign of life before there is a time."""
 
 
 class LiveSource(SignalSource):

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from robophm.core.errors import SourceError, nearest
-from robophm.core.signal import split_signal
+from robophm.core.signal import WantedSignal, split_signal, wanted_unit
 from robophm.transports.recordings.columns.decoding import ColumnDecoder, Receipts
 from robophm.transports.recordings.columns.drive import opened
 from robophm.transports.recordings.columns.learnt_fields import learn_fields
@@ -91,7 +91,7 @@ def blocks_of(
     wanted: dict[str, list[str]] = {topic: [] for topic in topics}
     for signal in sorted(set(fields)):
         topic, field = split_signal(signal)
-        wanted.setdefault(topic, []).append(field)
+        wanted.setdefault(topic, []).append(WantedSignal(field, wanted_unit(signal)))
     known = {connection.topic for file in files for connection in file.connections}
     for topic in wanted:
         if topic not in known:

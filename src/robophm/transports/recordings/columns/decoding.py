@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robophm.core.signal import SECOND, Element, named
+from robophm.core.signal import SECOND, Element, named, wanted_unit
 from robophm.transports.recordings.columns.field_extraction import Ints, Program
 from robophm.transports.recordings.columns.message_layout import NotCompilableError, compile_fields
 from robophm.transports.recordings.columns.pieces import Messages
@@ -73,11 +73,12 @@ class _Recipe:
 
 
 @lru_cache(maxsize=256)
-def _recipe(type_: MessageType, fields: tuple[str, ...]) -> _Recipe:
+def _recipe(type_: MessageType, fields: tuple[str, ...], units: tuple[str | None, ...]) -> _Recipe:
     """Raises SourceError where the type has no such fields."""
     stamps = type_.stamp_fields or ()
     paths = tuple(dict.fromkeys((*stamps, *fields)))
-    getters = [field_getter(type_.definitions, type_.name, path) for path in paths]
+    unit_of = dict(zip(fields, units, strict=True))
+    getters = [field_getter(type_.definitions, type_.name, path, unit_of.get(path)) for path in paths]
     ways = {field: ways_to(type_.definitions, type_.name, field) for field in fields}
     namers = {field: namer for field in fields if (namer := name_getter(ways[field]))}
     arrays = {field: ways[field][0] for field in (*namers, *filter(named, fields))}
@@ -101,7 +102,7 @@ class ColumnDecoder:
         self._names = names
         self._type = type_
         self._notes = notes
-        recipe = _recipe(type_, tuple(fields))
+        recipe = _recipe(type_, tuple(fields), tuple(map(wanted_unit, fields)))
         self._stamps, self._paths, self._getters = recipe.stamps, recipe.paths, recipe.getters
         self._namers, self._arrays, self._program = recipe.namers, recipe.arrays, recipe.program
         self._slots = [self._paths.index(field) for field in fields]
