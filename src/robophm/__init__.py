@@ -10,9 +10,10 @@ docs/guides/python.md has an example of each function.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
+TYPE_CHECKING = False  # that of typing takes as long to import as all else here: who asks to end then gets a traceback
 if TYPE_CHECKING:
+    from typing import Any
+
     from robophm.blocks.diagram import KOutOfN, Link, Network, Parallel, Series, Unit
     from robophm.blocks.reliability import Structure
     from robophm.core.errors import RobophmError

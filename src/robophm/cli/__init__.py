@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import io
 import os
-import signal
 import sys
-from contextlib import suppress
-from pathlib import Path
-from traceback import extract_tb, print_exception
-from typing import TextIO
+
+from robophm.core.ending import end_at_once, ignore
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import TextIO
 
 OK, BREACHED, USAGE, INVALID, DEFECT, INTERRUPTED = 0, 1, 2, 3, 70, 130
 EXIT_CODES = (
     "Exit codes: 0 ok, 1 a threshold of the design is breached or predictions are not calibrated, 2 usage, "
-    "3 invalid input, 70 a defect of robophm, 130 interrupted."
+    "3 invalid input, 70 a defect of robophm, 130 interrupted (143 by SIGTERM); what serves or watches is ended so, "
+    "with 0."
 )
 TRACEBACK = "ROBOPHM_TRACEBACK"
 """The environment variable that shows where a defect came from."""
@@ -22,6 +24,7 @@ TRACEBACK = "ROBOPHM_TRACEBACK"
 
 def main() -> None:
     """Run the command line and leave with its exit code; a user's mistake is one line on stderr, and so is ours."""
+    end_at_once()  # until a command is there that says how it ends
     sys.stdout, sys.stderr = _Output.of(sys.stdout, "replace"), _Output.of(sys.stderr, "backslashreplace")
     try:
         sys.exit(_run())
@@ -54,8 +57,7 @@ def _run() -> int | None:
         print(f"error: standard output: {error}", file=sys.stderr)
         return INVALID
     except KeyboardInterrupt:
-        with suppress(ValueError):  # of a thread, which is not interrupted
-            signal.signal(signal.SIGINT, signal.SIG_IGN)  # who asks again while it ends asks for what is being done
+        ignore()  # who asks again while it ends asks for what is being done
         print("interrupted", file=sys.stderr)
         return INTERRUPTED
     except Exception as error:
@@ -68,11 +70,13 @@ def _run() -> int | None:
 
 def _defect(error: BaseException) -> int:
     """Say on one line that it is a defect; never exit with 1, which says that a threshold is breached."""
+    from traceback import extract_tb, print_exception
+
     error = error.__cause__ if isinstance(error, NotOursError) and error.__cause__ else error
     if os.environ.get(TRACEBACK):
         print_exception(error)
     frames = extract_tb(error.__traceback__)
-    where = f" at {Path(frames[-1].filename).name}:{frames[-1].lineno}" if frames else ""
+    where = f" at {frames[-1].filename.rpartition(os.sep)[2]}:{frames[-1].lineno}" if frames else ""
     said = " ".join(f"{type(error).__name__}: {error}".split())
     print(f"error: {said}{where}: a defect of robophm, not of your input; {TRACEBACK}=1 in the environment shows where "
           "it comes from", file=sys.stderr)  # fmt: skip

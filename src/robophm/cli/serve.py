@@ -23,6 +23,8 @@ from robophm.stores import open_store, place_of
 if TYPE_CHECKING:
     from robophm.web.service import Service
 
+ENDS_BY_ITSELF = True
+
 
 @dataclass(frozen=True)
 class Wishes:

@@ -7,20 +7,19 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from types import FrameType
 from typing import Annotated
 
 import typer
 from rich.console import Console
 from rich.live import Live
 
-from robophm.cli import BREACHED, OK
+from robophm.cli import BREACHED
 from robophm.cli.shared.fleet import Fleet, fleet_address, sender
 from robophm.cli.shared.health_output import print_report
 from robophm.cli.shared.live_table import LiveTable, SeveralTable
@@ -31,6 +30,7 @@ from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.task_words import stated_speed
 from robophm.cli.shared.unused import refuse_unused
 from robophm.cli.shared.watch_output import Lines, OnTerminal
+from robophm.core.ending import ASKED_BY, ignore, leave_in_time
 from robophm.core.errors import RobophmError, SourceError
 from robophm.core.signal import split_signal
 from robophm.core.supervisor import Supervisor
@@ -59,8 +59,10 @@ from robophm.transports.signals.report_sink import ReportSink
 from robophm.transports.signals.source import LiveSource
 from robophm.transports.tasks.listener import topics_to_hear
 
-QUICK_END = 3.0
-"""The most seconds in which what was heard is taken after SIGTERM; what still waits then is let go of."""
+ENDS_BY_ITSELF = True
+
+QUICK_END = 2.5
+"""The most seconds in which what was heard is taken once it is to end; what still waits then is let go of."""
 
 
 @dataclass(frozen=True)
@@ -168,40 +170,43 @@ def command(
 
 
 @contextmanager
-def _ended_by_signals() -> Iterator[list[Callable[[], None]]]:
-    """Take SIGINT and SIGTERM as the wish to end what the list says, until all is let go of: a second time the next.
+def _ended_by_signals(source: LiveSource) -> Iterator[None]:
+    """Take SIGINT and SIGTERM as the wish to end: what was heard is taken yet, and a second time not even that.
 
-    Who supervises does not want to wait either: after SIGTERM the second comes by itself. That a source was closed so
+    Nobody waits for ever: the second comes by itself, and the process ends in any case. That a source was closed so
     before it was listened to is no error.
     """
-    ends: list[Callable[[], None]] = []
-    closed = threading.Event()
+    asked, closed = threading.Event(), threading.Event()
+    timers: list[threading.Timer] = []
 
-    def last() -> None:
+    def close() -> None:
         closed.set()
-        ends[-1]()
+        source.close()
 
-    letting_go = threading.Timer(QUICK_END, last)
-    letting_go.daemon = True
-
-    def stop(number: int, frame: FrameType | None) -> None:
-        if not ends:
-            raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(OK)
-        (ends.pop(0) if len(ends) > 1 else last)()
-        if number == signal.SIGTERM and not letting_go.is_alive() and not letting_go.finished.is_set():
-            letting_go.start()
+    def stop(*_signal: object) -> None:
+        if asked.is_set():
+            close()
+            return
+        asked.set()
+        letting_go = threading.Timer(QUICK_END, close)
+        letting_go.daemon = True
+        letting_go.start()
+        timers.extend((letting_go, leave_in_time()))
+        source.stop()
 
     with ExitStack() as stack:
-        for number in (signal.SIGINT, signal.SIGTERM):  # heeded until all is let go of; then there is nothing to end
+        for number in ASKED_BY:  # heeded until all is let go of; then there is nothing to end
             signal.signal(number, stop)
-            stack.callback(signal.signal, number, signal.SIG_IGN)
-        stack.callback(letting_go.cancel)
+        stack.callback(ignore)
         try:
-            yield ends
+            yield
         except SourceError:
             if not closed.is_set():
                 raise
             warn("ended before the robot was watched")
+        finally:
+            for timer in timers[:1]:
+                timer.cancel()
 
 
 def run(design: Path, asked: Watched) -> bool:
@@ -216,14 +221,13 @@ def run(design: Path, asked: Watched) -> bool:
     for warning in robot.warnings:
         warn(warning)
     with Notices(asked.notify) as notices, ExitStack() as stack:
-        ends = stack.enter_context(_ended_by_signals())
         opened = open_live(
             asked.via, period=asked.period, node=asked.names.whole_node, parameters=asked.names.parameters
         )
         source = stack.enter_context(Remapped(opened.source, asked.names))
-        ends += [source.stop, source.close]
-        gc.collect()  # before anybody is told that there is something to end: signals that come meanwhile are one
+        gc.collect()
         gc.freeze()  # what is there now stays: not to be looked through again and again while the robot runs
+        stack.enter_context(_ended_by_signals(source))
         print(opened.said, file=sys.stderr)
         out = console()
         to_terminal = out.is_terminal and not asked.as_json

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import logging
-import os
 import signal
 import socket
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 import uvicorn
 from starlette.types import ASGIApp
 
+from robophm.core.ending import ASKED_BY, LONGEST_END, ignore, leave
 from robophm.core.errors import RobophmError
 from robophm.core.rate_limited_log import limit_rate
 from robophm.core.supervisor import Supervisor
@@ -33,8 +32,8 @@ right away would be let go of as silent."""
 GRACE = 2
 """Seconds that requests which are under way have once the service is to end."""
 
-LONGEST_END, LONGEST_KEEPING = 4.0, 8.0
-"""Seconds after which the process ends whatever is still computed: once the robot's past is kept, and in any case."""
+LONGEST_COMPUTING = 4.0
+"""Seconds after which the process ends whatever is still computed, once the robot's past is kept."""
 
 SWITCH = 0.0005
 """Seconds after which a thread that computes gives way while the service ends: that of the end is one of many."""
@@ -159,22 +158,17 @@ class Wish:
     def ends(self, server: _Server, keep: Callable[[], None]) -> None:
         """Let the wish end this server, at once where it has come; ``keep`` keeps what must not be lost."""
         self._server, self._keep = server, keep
-        if self._asked is not None:
-            self._begin()
+        server.should_exit = self._asked is not None
 
     def stop(self, *_signal: object) -> None:
         """Ask the server to stop in order, which takes seconds at most; a second time changes nothing of that."""
         if self._asked is None:
             self._asked = time.monotonic()
+            if self._of_process:
+                sys.setswitchinterval(SWITCH)
+                threading.Thread(target=self._end_in_time, name="end in time", daemon=True).start()
             if self._server:
-                self._begin()
-
-    def _begin(self) -> None:
-        assert self._server
-        self._server.should_exit = True
-        if self._of_process:
-            sys.setswitchinterval(SWITCH)
-            threading.Thread(target=self._end_in_time, name="end in time", daemon=True).start()
+                self._server.should_exit = True
 
     def _end_in_time(self) -> None:
         """Keep what must not be lost while requests have their time; end the process where one of them takes too long.
@@ -185,14 +179,9 @@ class Wish:
         assert self._asked is not None
         keeping = threading.Thread(target=self._keep, name="keep the past", daemon=True)
         keeping.start()
-        keeping.join(LONGEST_KEEPING)
-        if self._over.wait(max(0.0, self._asked + LONGEST_END - time.monotonic())):
-            return
-        logging.getLogger("robophm").warning("ended while requests were still computed")
-        for stream in (sys.stdout, sys.stderr):
-            with suppress(OSError, ValueError):
-                stream.flush()
-        os._exit(0)
+        keeping.join(LONGEST_END)
+        if not self._over.wait(max(0.0, self._asked + LONGEST_COMPUTING - time.monotonic())):
+            leave(0, "warning: ended while requests were still computed")
 
     def is_over(self) -> None:
         """Say that all is closed: the process may end by itself, unless there are threads that it would wait for."""
@@ -212,13 +201,12 @@ def heeding() -> Iterator[Wish]:
     if not in_main:
         yield wish
         return
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in ASKED_BY:
         signal.signal(number, wish.stop)
     try:
         yield wish
     finally:
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, signal.SIG_IGN)
+        ignore()
         wish.is_over()
 
 

@@ -6,6 +6,8 @@ import typer
 
 from robophm.cli.shared.command_group import CommandGroup
 
+ENDS_BY_ITSELF = True
+
 COMMANDS = {
     "serve": "Take the reports of robots, until it is interrupted.",
     "token": "Make a robot's token, and print how it reports to the fleet with it.",

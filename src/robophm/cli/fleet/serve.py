@@ -12,6 +12,8 @@ from robophm.cli.shared.fleet import FleetStorePath
 from robophm.cli.shared.output import console
 from robophm.cli.shared.web_extra import check_key, web_extra
 
+ENDS_BY_ITSELF = True
+
 
 def command(
     store: FleetStorePath,

@@ -11,10 +11,13 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from robophm.cli.shared.surplus_arguments import StrictCommand
+from robophm.core.ending import be_interruptible
 
 
 class CommandGroup(TyperGroup):
     """Lists its commands by a line of help each; the file of one is imported when that is asked for.
+
+    A file whose ``ENDS_BY_ITSELF`` is true heeds SIGINT and SIGTERM itself, and until then they end it at once.
 
     The file of ``fault-tree`` is ``fault_tree.py``, and what it names ``command`` is the command: a function, or an
     application of Typer where it has commands of its own.
@@ -39,7 +42,10 @@ class CommandGroup(TyperGroup):
         """Return the command itself; None where there is none of that name."""
         if cmd_name not in self.lines:
             return None
-        command = import_module(f"{self.package}.{cmd_name.replace('-', '_')}").command
+        module = import_module(f"{self.package}.{cmd_name.replace('-', '_')}")
+        if not getattr(module, "ENDS_BY_ITSELF", False):
+            be_interruptible()
+        command = module.command
         if not isinstance(command, typer.Typer):
             function, command = command, typer.Typer(add_completion=False, rich_markup_mode=None)
             command.command(cmd_name)(function)
