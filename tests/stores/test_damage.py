@@ -29,6 +29,7 @@ def content(path: Path) -> dict[str, Any]:
             robot: [
                 store.ledger(robot), store.progress(robot, "drive"), store.progress(robot, "other"),
                 list(kept.reports()), [one.to_json() for one in kept.events()], kept.figures().to_json(),
+                [(one, kept.course(one).mean.tolist()) for one in kept.signals()],
                 [kept.report_at(time) for time in (-1, 4, 10**9)], store.alarm_log(robot).alarms(),
                 store.service_requests(robot).waiting(),
                 [store.service_requests(robot).answer(f"{number}") for number in range(3)],
@@ -43,7 +44,8 @@ def report(time: int, chance: random.Random) -> dict[str, Any]:
     }
     robot = {"kind": "robot", "path": "R", "flags": ["stale /a.b"] * (time % 2), "breaches": [], **views}
     more = [chance.random() for _ in range(40)]
-    return {"time": time, "state": "ok", "clocks": {"operating": chance.random()}, "subjects": [robot], "more": more}
+    return {"time": time, "state": "ok", "clocks": {"operating": chance.random()}, "subjects": [robot], "more": more,
+            "signals": {"/a.b": chance.random()}}  # fmt: skip
 
 
 @pytest.fixture(scope="module")

@@ -125,6 +125,67 @@ def test_long_windows_are_answered_by_coarser_levels(store: Store, monkeypatch: 
     assert widths == {90: 0, 900: 10 * MINUTE, 3000: HOUR}
 
 
+def drawn_signal(days: int, seed: int) -> tuple[list[dict[str, Any]], dict[int, float]]:
+    """Reports, four a day with days without any, and the values of a signal in them; some are missing."""
+    draw, reports, values = random.Random(seed), [], {}
+    for i in range(days * 4):
+        time = BEGIN + i * 6 * HOUR
+        if i % 12 > 9:
+            continue
+        said = {"/t.x": draw.gauss(20, 5)} if draw.random() < 0.9 else {}
+        reports.append(report(time, draw, signals=said))
+        values |= dict.fromkeys([time] if said else [], float(np.float32(said.get("/t.x", 0))))
+    return reports, values
+
+
+def test_the_course_of_a_signal_is_what_plain_loops_say_and_grows_coarse_with_age(store: Store) -> None:
+    reports, values = drawn_signal(500, 7)
+    for first in range(0, len(reports), 3000):
+        store.save("R", {}, (), reports[first : first + 3000])
+    history, newest = store.history("R"), reports[-1]["time"] // DAY * DAY
+    if not history.signals():
+        with pytest.raises(StoreError, match="keeps no courses of signals"):
+            history.course("/t.x")
+        return
+    assert (history.signals(), store.history("other").signals()) == (["/t.x"], [])
+    widths = {}
+    for age in (10, 31, 32, 366, 367, 490):
+        found = history.course("/t.x", newest - age * DAY, newest - (age - 1) * DAY, 10_000)
+        widths[age] = found.width
+        begins = found.times.tolist()
+        for i, begin in enumerate(begins):
+            inside = [one for time, one in values.items() if begin <= time < begin + max(found.width, 1)]
+            assert (found.number[i, 0], found.low[i, 0], found.high[i, 0]) == (len(inside), min(inside), max(inside))
+            assert found.mean[i, 0] == pytest.approx(sum(inside) / len(inside), rel=1e-6)
+        told = [time for time in values if newest - age * DAY <= time < newest - (age - 1) * DAY]
+        assert found.number.sum() == len(told)
+    assert widths == {10: 0, 31: 0, 32: 10 * MINUTE, 366: 10 * MINUTE, 367: HOUR, 490: HOUR}
+    assert store.upkeep().faults() == []
+
+
+def test_a_signal_is_brought_back_too_whatever_was_let_go_of(store: Store) -> None:
+    if type(store).bring_back is Store.bring_back:
+        pytest.skip("this store cannot be brought back")
+    reports, values = drawn_signal(120, 8)
+    store.save("R", {}, (), reports)
+    for days in (100, 30):  # to within what is kept of every report, then to before it
+        last = BEGIN + days * DAY + 4 * HOUR
+        store.bring_back("R", {}, last)
+        found = store.history("R").course("/t.x", points=10_000)
+        assert store.upkeep().faults() == []
+        assert last - DAY <= found.times[-1] <= last
+        again = [one for one in reports if last < one["time"] <= last + 3 * DAY]
+        store.save("R", {}, (), again)
+        assert store.upkeep().faults() == []
+        told = store.history("R").course("/t.x", last + 1, last + 3 * DAY + 1, 1000)
+        assert told.mean[:, 0].tolist() == [values[one["time"]] for one in again if one["time"] in values]
+
+
+def test_of_more_signals_than_are_kept_it_is_the_first(store: Store) -> None:
+    store.save("R", {}, (), [report(BEGIN, signals={f"/s.{i:03}": 1.0 * i for i in range(70)})])
+    assert store.history("R").signals() in ([], [f"/s.{i:03}" for i in range(64)])
+
+
 @pytest.mark.parametrize("points", [0, 1, 10_001, 2.5, None])
 def test_a_number_of_points_that_is_none_is_refused(store: Store, points: Any) -> None:
     with pytest.raises(RobophmError, match=r"points .*: expected a whole number of at least 2 and at most 10000"):

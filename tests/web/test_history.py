@@ -51,7 +51,7 @@ def fill(
         moved = {**whole, "sensor_based": {**whole["sensor_based"], "hazard_rate": float(hour)}, "breaches": told}
         state = "error" if told else "ok"
         one = {"time": begin + hour * DAY // 24, "subjects": [moved, *rest], "state": state, "breaches": told}
-        reports.append({**report, **one})
+        reports.append({**report, **one, "signals": {"/casters.t": float(hour % 24)}})
     with SqliteStore(path) as store:
         restart = Event(begin + 110 * DAY, "restart", "", "watching began again")
         store.save(robot.identity, monitor.ledger.to_json(), (), reports, [restart])
@@ -80,6 +80,17 @@ def test_figures_gaps_and_events_of_any_stretch(lived: Served) -> None:
     assert [one["kind"] for one in day["events"]] == ["restart"]
 
 
+def test_the_course_of_a_signal_over_any_stretch(lived: Served) -> None:
+    assert lived.get("/api/history", points=2)["signals"] == {"/casters.t": None}  # the design binds it no more
+    begin = BEGIN / SECOND + (COUNT - 48) * 3600
+    day = lived.get("/api/history/signal", signal="/casters.t", start=begin, end=begin + 86_400)
+    assert (day["width"], day["values"]["mean"]) == (0, [*range(24)])
+    whole = lived.get("/api/history/signal", signal="/casters.t", points=100)
+    assert (min(whole["values"]["low"]), max(whole["values"]["high"])) == (0, 23)
+    assert set(whole["values"]["mean"]) == {11.5}
+    assert lived.client.get("/api/history/signal", params={"signal": "/nobody.t"}).status_code == 404
+
+
 def test_the_report_of_then(lived: Served) -> None:
     asked = BEGIN / SECOND + 205 * 86_400 + 1800
     found = lived.get("/api/history/report", time=asked)
@@ -106,7 +117,7 @@ def test_trends_of_a_day_and_a_month(lived: Served) -> None:
 
 def test_without_a_past_there_is_none(shared_small: Served) -> None:
     found = shared_small.get("/api/history")
-    assert (found["first"], found["times"], found["figures"]) == (None, [], {})
+    assert (found["first"], found["times"], found["figures"], found["signals"]) == (None, [], {}, {})
     assert shared_small.get("/api/history/trends") == {"until": None, "times": [], "breaks": [], "figures": {}}
     assert shared_small.client.get("/api/history/report", params={"time": 0}).status_code == 404
 

@@ -15,7 +15,9 @@ from robophm.design.file import load
 from robophm.health.outlooks import FutureName
 from robophm.health.why import explain
 from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.stress_since import with_since
 from robophm.report.why import reasons, sentence
+from robophm.stores import existing_store
 
 
 def command(
@@ -27,6 +29,9 @@ def command(
     monitor = Monitor(robot, kept(store, robot) if store else None)
     report = monitor.report(future=chosen, horizon=horizon_of(horizon))
     found = explain(report)
+    if store:
+        with existing_store(store) as opened:
+            found = with_since(found, opened.history(robot.identity), report.time)
     if as_json:
         said = {"robot": robot.name, "time": report.time, "sentence": sentence(report, found), "state": report.state}
         limits = {"breaches": list(report.breaches), "warnings": list(report.warnings)}

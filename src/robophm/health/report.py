@@ -96,6 +96,8 @@ class HealthReport:
     """Signals of stress that may not be true, and what that would mean. The figures take them as they are."""
     heard: Mapping[str, float] = field(default_factory=dict)
     """The last values that still hold of the signals of stress, where the design limits any."""
+    signals: Mapping[str, float] = field(default_factory=dict)
+    """Means of the signals of stress over the last ten minutes, as their messages have them."""
     suspect_time: tuple[SuspectTime, ...] = ()
     """Stretches in which the machine's clock was not plausible, so that time went on without it."""
     silent: Mapping[str, int | None] = field(default_factory=dict)
@@ -251,6 +253,7 @@ class HealthReport:
             "notes": list(self.notes),
             "suspect_time": [one._asdict() for one in self.suspect_time],
             "silent": dict(self.silent),
+            "signals": plain(dict(self.signals)),
         }
 
     def __repr__(self) -> str:

@@ -19,6 +19,7 @@ from robophm.health.draws import check_draws
 from robophm.health.exposure import ExposureIntegrator
 from robophm.health.ledger import Ledger
 from robophm.health.limits import SEVERITIES, limited_values
+from robophm.health.measured_inputs import recent_signals
 from robophm.health.mission import completion, plan_future
 from robophm.health.outlooks import FutureName, View, outlooks
 from robophm.health.plant import Plant
@@ -105,11 +106,7 @@ def health_now(
                 system,
                 _marks(
                     [robot.modes[i] for i in plant.system(system.diagram).modes],
-                    ledger,
-                    lost,
-                    silent,
-                    wear,
-                    doubtful,
+                    *(ledger, lost, silent, wear, doubtful),
                     *(odometers if system.kind == "robot" else ()),
                 )
                 .with_time(ledger if system.kind == "robot" else None)
@@ -138,6 +135,7 @@ def health_now(
         wear=tuple(wear),
         doubts=doubtful,
         heard=exposure.last_values(ledger) if robot.limits_signals else {},
+        signals=recent_signals(exposure.channels, ledger.recent),
         suspect_time=tuple(ledger.suspect_time),
         silent=silent,
     )

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,6 +24,16 @@ ENOUGH = 0.5
 """Parts are named until they bring about this share of the failures to come, and no more than ``MOST_PARTS``."""
 
 
+class Since(NamedTuple):
+    """The time since which a stress has been beyond what it was designed for, as far as a history tells."""
+
+    time: int | None
+    """Time of the first of the means that are kept since which all were beyond [ns since the epoch]; None where that
+    is not known."""
+    after: int | None = None
+    """Time of the last one before it, which was not; None where it is the first of all: it may have begun earlier."""
+
+
 @dataclass(frozen=True)
 class ObservedStress:
     """A measured input of a part's hazard model, as it has been of late, beside what it was designed for."""
@@ -33,6 +45,17 @@ class ObservedStress:
     observed: float
     """The mean of the last ten minutes of the robot's own time; of a silent sensor the last value where that counts."""
     designed: float
+    as_designed: float
+    """The signal's value, as its messages have it, at which the part is stressed as designed."""
+    higher: bool
+    """Whether the signal is above that."""
+    since: Since | None = None
+    """Time since which it has been beyond its design value; None where no history was asked."""
+
+    @property
+    def beyond(self) -> bool:
+        """Whether it differs from its design value by more than rounding."""
+        return not math.isclose(self.observed, self.designed, rel_tol=1e-6, abs_tol=1e-12)
 
 
 @dataclass(frozen=True)
@@ -137,4 +160,7 @@ def _stresses(outlook: Outlook, modes: Sequence[FailureMode]) -> Iterator[Observ
                     continue
                 told.add((name, channel.signal))
                 unit = stress.model.numbers[name].unit
-                yield ObservedStress(name, channel.signal, unit, observed, float(stress.design[name]))
+                designed = float(stress.design[name])
+                at = (designed - channel.offset) / channel.scale
+                higher = (observed > designed) == (channel.scale > 0)
+                yield ObservedStress(name, channel.signal, unit, observed, designed, at, higher)

@@ -24,7 +24,8 @@ from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.seen_wear import seen_wear
 from robophm.monitoring.service_notes import WAIT, note_service
 from robophm.monitoring.stored_past import stored_past
-from robophm.stores import Address
+from robophm.monitoring.stress_since import with_since
+from robophm.stores import Address, existing_store
 
 FUTURES = ("recent", "last", "nominal")
 
@@ -78,7 +79,11 @@ def why(of: HealthReport | RobotOrPath, store: Address | None = None) -> Explana
             raise RobophmError("a store beside a report, which has its past; expected a robot with it")
         return explain(of)
     robot = robot_of(of)
-    return explain(Monitor(robot, ledger_of(store, robot)).report())
+    report = Monitor(robot, ledger_of(store, robot)).report()
+    if store is None:
+        return explain(report)
+    with existing_store(store) as opened:
+        return with_since(explain(report), opened.history(robot.identity), report.time)
 
 
 def service(

@@ -64,9 +64,12 @@ Node = str | More | Chain | Fork
 """A node of an outline; a ``str`` is the name of a unit."""
 
 
-def outline(diagram: Block, boxes: int) -> Node:
-    """The diagram with series inside series run together and about ``boxes`` boxes, the rest counted."""
-    return _Outliner(boxes).node(diagram, 0)
+def outline(diagram: Block, boxes: int, skip: int = 0) -> Node:
+    """The diagram with series inside series run together and about ``boxes`` boxes, the rest counted.
+
+    ``skip``: so many units, in drawing order, are counted at its beginning; groups and networks are not cut.
+    """
+    return _Outliner(boxes, skip).node(diagram, 0)
 
 
 def names(node: Node) -> Iterator[str]:
@@ -93,8 +96,9 @@ def words(node: Node, labels: Mapping[str, Label]) -> str:
 
 
 class _Outliner:
-    def __init__(self, boxes: int) -> None:
+    def __init__(self, boxes: int, skip: int) -> None:
         self.left = boxes
+        self.skip = skip
 
     def node(self, block: Block, depth: int) -> Node:
         links = list(_links(block))
@@ -116,6 +120,7 @@ class _Outliner:
 
     def group(self, group: Standby | LoadSharing) -> Node:
         """Members that wait are spares; of many the last are left out."""
+        self.skip = 0
         drawn: list[Node] = []
         waits = group.active if isinstance(group, Standby) else len(group.members)
         for i, member in enumerate(group.members):
@@ -130,17 +135,26 @@ class _Outliner:
 
     def network(self, network: Network, depth: int) -> Node:
         """A network as its paths side by side where they are few, a part in several places; else as its blocks."""
+        self.skip = 0
         if paths := simple_paths(network, _MOST_PATHS):
             return self.node(Parallel(*(Series(*blocks) for blocks in paths)), depth)
         return Fork(0, len(network.blocks), self.nodes(network.blocks, depth + 1))
 
     def nodes(self, blocks: Sequence[Block], depth: int) -> tuple[Node, ...]:
         drawn: list[Node] = []
+        before = 0
         for i, block in enumerate(blocks):
             if self.left <= 0:
                 return (*drawn, More(_count(blocks[i:])))
+            if self.skip and (count := _count([block])) <= self.skip:
+                self.skip -= count
+                before += count
+                continue
+            if before:
+                drawn.append(More(before))
+                before = 0
             drawn.append(self.node(block, depth))
-        return tuple(drawn)
+        return (*drawn, More(before)) if before else tuple(drawn)
 
 
 def _links(block: Block) -> Iterator[Block]:

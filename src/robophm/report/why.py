@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from robophm.health.report import HealthReport
 from robophm.health.unknown_rates import marked, marks
 from robophm.health.why import DecidingPart, Explanation, ObservedStress
+from robophm.health.worn import moment
 from robophm.report.words import duration_text, number_text, percent_text, share_text
 
 NOTABLE = 0.1
@@ -54,13 +55,26 @@ def _value(value: float, of: ObservedStress) -> str:
     return f"{number_text(value, 3)} {of.unit.replace('degC', '°C')}".rstrip()
 
 
+def _since(stress: ObservedStress) -> str:
+    if stress.since is None:
+        return ""
+    time, after = stress.since
+    if time is None:
+        return "; since when is not known"
+    side = "above" if stress.observed > stress.designed else "below"
+    if after is None:
+        return f"; {side} that since before {moment(time)}, when its course begins"
+    return f"; {side} that since {moment(time)}, not yet at {moment(after)}"
+
+
 def reasons(found: Explanation) -> Iterator[str]:
     """Say what lies behind it, a line each: the parts that decide, their stress, what would help."""
     for part in found.parts:
         yield f"{part.path}{f' ×{part.quantity}' if part.quantity > 1 else ''}{_of_share(part)}"
         for one in part.stresses:
             name = one.name.replace("_", " ")
-            yield f"  {name} {_value(one.observed, one)}, designed for {_value(one.designed, one)} ({one.signal})"
+            beside = f"designed for {_value(one.designed, one)} ({one.signal})"
+            yield f"  {name} {_value(one.observed, one)}, {beside}{_since(one)}"
         yield from (f"  {one}" for one in part.wear)
         if part.silent:
             yield "  a sensor of it is silent: its figures rest on that"

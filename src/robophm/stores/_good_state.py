@@ -13,7 +13,7 @@ from typing import Any
 from robophm.core.errors import StoreError
 from robophm.core.files import sync_folder, write_atomically
 from robophm.stores._checked_rows import CheckedTable
-from robophm.stores._tables import LEDGER, PROGRESS, TABLES, make_tables, names_in
+from robophm.stores._tables import LEDGER, PROGRESS, SIGNAL, TABLES, keep_signals, make_tables, names_in, signals_of
 from robophm.stores.outbox import OUTBOX, make_outbox
 from robophm.stores.pyramid import Pyramid
 from robophm.stores.store import Restored
@@ -90,7 +90,10 @@ def _write(path: Path, found: Mapping[str, Rows], damaged: sqlite3.Connection) -
                 table.put(base, robot, rows[table.name])
             for table in histories:
                 table.put(base, robot, _sound_rows(table, damaged, robot))
-            Pyramid(base).take_rows(robot, Pyramid(damaged).sound_rows(robot))
+            signals = _signals(damaged, robot)
+            keep_signals(base, robot, signals)
+            for signal in ("", *signals):
+                Pyramid(base, signal).take_rows(robot, Pyramid(damaged, signal).sound_rows(robot))
         base.execute("COMMIT")
 
 
@@ -110,7 +113,8 @@ def faults(base: sqlite3.Connection) -> Iterator[str]:
                 for _ in table.rows(base, robot):
                     pass
                 if table is LEDGER:
-                    Pyramid(base).check(robot)
+                    for signal in ("", *signals_of(base, robot)):
+                        Pyramid(base, signal).check(robot)
             found += more
         yield from found
 
@@ -151,6 +155,13 @@ def _sound_rows(table: CheckedTable, base: sqlite3.Connection, robot: str) -> It
         with suppress(sqlite3.Error, StoreError, UnicodeError):
             if row := table.get(base, robot, *key):
                 yield *key, *row
+
+
+def _signals(base: sqlite3.Connection, robot: str) -> dict[str, int]:
+    """The signals of a robot that are sound, as far as they can be reached, and since when each is kept."""
+    with suppress(sqlite3.Error, UnicodeError):
+        return dict(_sound_rows(SIGNAL, base, robot)) if SIGNAL.name in names_in(base) else {}
+    return {}
 
 
 def _read_good(path: Path) -> dict[str, Rows]:

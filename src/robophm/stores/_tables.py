@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import sqlite3
+from collections.abc import Mapping
 
-from robophm.stores._checked_rows import CONTENT, CheckedTable
+from robophm.stores._checked_rows import CONTENT, CheckedTable, DamagedError, known
 
 VERSION = 4
 """Version of the tables; kept in the file's user_version."""
@@ -19,6 +20,8 @@ ALARM = CheckedTable(
     ("number INTEGER", "ended INTEGER NULL", "acknowledged_by TEXT", "acknowledged_at INTEGER NULL", "body TEXT"),
 )  # fmt: skip
 REQUEST = CheckedTable("service_request", ("key TEXT",), ("number INTEGER", "asked TEXT", "answer TEXT NULL"))
+SIGNAL = CheckedTable("signal", ("name TEXT",), ("since INTEGER",))
+"""Names of the signals whose courses are kept, among the figures; made when it is needed first."""
 TABLES = (LEDGER, PROGRESS, REPORT, EVENT, ALARM, REQUEST)
 
 FIGURES = """CREATE TABLE figures (
@@ -26,6 +29,24 @@ FIGURES = """CREATE TABLE figures (
     PRIMARY KEY (robot, width, start)
 ) STRICT, WITHOUT ROWID"""
 """The figures of reports, millions of rows, each with a checksum of its own at its end."""
+
+
+def signals_of(base: sqlite3.Connection, robot: str) -> list[str]:
+    """Return the names of a robot's signals whose courses are kept, sorted. Raises DamagedError as ``check``."""
+    if SIGNAL.name in names_in(base):
+        SIGNAL.check(base, robot)
+        return [name for name, _ in SIGNAL.rows(base, robot)]
+    if known(base, SIGNAL.name, robot) != (0, 0):
+        raise DamagedError(f"the signals of {robot} are damaged: their table is not there")
+    return []
+
+
+def keep_signals(base: sqlite3.Connection, robot: str, since: Mapping[str, int]) -> None:
+    """Keep the names of signals whose courses are kept from now on, with their first times; in a transaction."""
+    if since and SIGNAL.name not in names_in(base):
+        base.execute(SIGNAL.statement)
+    if since:
+        SIGNAL.put(base, robot, since.items())
 
 
 def version_of(base: sqlite3.Connection) -> int:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -92,6 +93,19 @@ def figures_of(report: Mapping[str, Any]) -> list[float]:
     ]
 
 
+MOST_SIGNALS = 64
+"""The most signals of one report whose courses are kept, those that the design names first."""
+
+
+def signals_in(reports: Iterable[Mapping[str, Any]]) -> dict[str, dict[int, list[float]]]:
+    """Return the values of signals in health reports as JSON, by name and time [ns], each as a row of one figure."""
+    found: dict[str, dict[int, list[float]]] = {}
+    for report in reports:
+        for signal, value in islice(report.get("signals", {}).items(), MOST_SIGNALS):
+            found.setdefault(signal, {})[report["time"]] = [float(value)]
+    return found
+
+
 _SYSTEM = (("hazard_rate",), ("unreliability",), ("remaining_life", "median"), ("completion", "failure"))
 
 
@@ -109,9 +123,9 @@ def packed(series: FigureSeries) -> list[bytes]:
     return [row.tobytes() + count.tobytes() for row, count in zip(values, series.number.astype(Count), strict=True)]
 
 
-def unpacked(width: int, times: list[int], rows: list[bytes]) -> FigureSeries:
-    """Return the series of rows that were kept."""
-    n, n_figures = len(rows), len(FIGURES)
+def unpacked(width: int, times: list[int], rows: list[bytes], n_figures: int = len(FIGURES)) -> FigureSeries:
+    """Return the series of rows that were kept, each of so many figures."""
+    n = len(rows)
     at = np.array(times, dtype=np.int64)
     if not width:
         values = np.frombuffer(b"".join(rows), Single).reshape(n, n_figures).astype(float)

@@ -1,7 +1,8 @@
 """A pyramid of figures in SQLite: each report's, and lowest, mean and highest over ten minutes, hours and days.
 
 Each row has a checksum, and says of how many reports it is: so it is seen when one below it is missing. How many days
-there are is in the table of what there is.
+there are is in the table of what there is. Of a robot's figures every level is kept for ever; the course of each of its
+signals is a pyramid of its own, whose lower levels are let go of with age.
 """
 
 from __future__ import annotations
@@ -11,19 +12,21 @@ import hashlib
 import operator
 import sqlite3
 import zlib
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import chain, count, islice, pairwise
-from typing import Any
 
 import numpy as np
 
 from robophm.core.signal import DAY, SECOND
 from robophm.stores._checked_rows import DamagedError, know, known
-from robophm.stores.figures import FigureSeries, figures_of, joined, packed, unpacked
+from robophm.stores.figures import FIGURES, FigureSeries, joined, packed, unpacked
 
 WIDTHS = (0, 600 * SECOND, 3600 * SECOND, DAY)
 """Lengths of time of the levels [ns]: single reports, ten minutes, hours, days (UTC)."""
+
+OF_SIGNALS = (31 * DAY, 366 * DAY, None, None)
+"""Age before its newest day [ns] from which on a level of a signal's course is let go of; None: it is kept for ever."""
 
 _SUM = 4
 """Bytes of a row's checksum."""
@@ -35,27 +38,33 @@ MOST_ROWS = 10_000
 
 
 class Pyramid:
-    """The figures of all robots in a base; whoever calls has the transaction."""
+    """The figures of all robots in a base, or of one of their signals; whoever calls has the transaction."""
 
-    def __init__(self, base: sqlite3.Connection) -> None:
-        self._base = base
+    def __init__(self, base: sqlite3.Connection, signal: str = "") -> None:
+        """``signal``: the name of a signal, whose course it is; else the figures of robots."""
+        self._base, self._signal = base, signal
+        self._part = f"signal {signal}" if signal else "figures"
+        self._columns = 1 if signal else len(FIGURES)
 
-    def add(self, robot: str, reports: Iterable[Mapping[str, Any]]) -> None:
-        """Take in the figures of reports as JSON; those of the same time are replaced."""
-        figures = {report["time"]: figures_of(report) for report in reports}
-        if not figures:
+    def add(self, robot: str, rows: Mapping[int, Sequence[float]]) -> None:
+        """Take in the figures of reports by their times [ns]; those of the same time are replaced."""
+        number = self._number(robot)
+        oldest = self._day_of(number, "max") if self._signal else None
+        times = sorted(time for time in rows if oldest is None or time >= oldest - (OF_SIGNALS[0] or 0))
+        if not times:
             return
-        times = sorted(figures)
-        values = np.array([figures[time] for time in times])
-        number = number_of(robot)
+        values = np.array([rows[time] for time in times])
         at = np.array(times, dtype=np.int64)
         self._put(number, FigureSeries(0, at, (~np.isnan(values)).astype(np.int64), values, values, values))
         self._raise(number, times)
+        self._thin(number)
         self._know_days(robot)
 
     def drop_after(self, robot: str, last: int) -> None:
         """Forget what came after a time [ns]."""
-        number = number_of(robot)
+        number = self._number(robot)
+        if self._kept_since(number, WIDTHS[0]) > last:  # nothing is left to work out the spans of that day from
+            last = last // DAY * DAY - 1
         for width in WIDTHS:
             first = last // width * width if width else last + 1  # the span of that time is worked out anew
             query = "DELETE FROM figures WHERE robot = ? AND width = ? AND start >= ?"
@@ -67,12 +76,13 @@ class Pyramid:
         """Return the figures from a time until before another [ns], None being open, in at most so many points, 2 or
         more. Raises DamagedError where they are not those that were written.
         """
-        number = number_of(robot)
+        number = self._number(robot)
         first = -(2**63) if start is None else start
         last = 2**63 - 1 if end is None else end
         for width in WIDTHS:
             begin = max(first // width * width, -(2**63)) if width else first
-            if width == WIDTHS[-1] or self._rows(number, width, begin, last) <= MOST_ROWS:
+            whole = begin >= self._kept_since(number, width)
+            if width == WIDTHS[-1] or (whole and self._rows(number, width, begin, last) <= MOST_ROWS):
                 break
         found = self._whole(robot, width, begin, last)
         if len(found.times) <= points:
@@ -83,7 +93,7 @@ class Pyramid:
 
     def sound_rows(self, robot: str) -> Iterator[tuple[int, bytes]]:
         """Yield times and bodies of the reports' figures that are as written, from both ends as far as possible."""
-        number, reached = number_of(robot), -(2**63)
+        number, reached = self._number(robot), -(2**63)
         for order in ("ASC", "DESC"):
             query = f"SELECT start, body FROM figures WHERE robot = ? AND width = 0 ORDER BY start {order}"
             first = order == "ASC"
@@ -97,21 +107,22 @@ class Pyramid:
 
     def take_rows(self, robot: str, rows: Iterable[tuple[int, bytes]]) -> None:
         """Keep figures of reports as ``sound_rows`` gives them."""
-        number, left = number_of(robot), iter(rows)
+        number, left = self._number(robot), iter(rows)
         while some := list(islice(left, MOST_ROWS)):
             said = ((number, start, body) for start, body in some)
             self._base.executemany("INSERT OR REPLACE INTO figures VALUES (?, 0, ?, ?)", said)
             self._raise(number, [start for start, _ in some])
+        self._thin(number)
         self._know_days(robot)
 
     def check(self, robot: str) -> None:
         """Raise DamagedError where the robot's rows are not those that were written."""
-        number = number_of(robot)
+        number = self._number(robot)
         for width in WIDTHS:
             query = (
                 "SELECT start FROM figures WHERE robot = ? AND width = ? AND start > ? ORDER BY start LIMIT 1 OFFSET ?"
             )
-            first: int | None = -(2**63)
+            first: int | None = self._kept_since(number, width)
             while first is not None:
                 row = self._base.execute(query, (number, width, first, MOST_ROWS)).fetchone()
                 self._whole(robot, width, first, row[0] if row else 2**63 - 1)
@@ -119,9 +130,9 @@ class Pyramid:
 
     def _whole(self, robot: str, width: int, begin: int, end: int) -> FigureSeries:
         """What a level has of a stretch of time. Raises DamagedError where that is not all that was written."""
-        number, days = number_of(robot), WIDTHS[-1]
+        number, days = self._number(robot), WIDTHS[-1]
         if width == days:
-            if self._days(number) != known(self._base, "figures", robot):
+            if self._days(number) != known(self._base, self._part, robot):
                 raise DamagedError(_MISSING)
             return self._read(number, width, begin, end)
         above = WIDTHS[WIDTHS.index(width) + 1]
@@ -134,6 +145,32 @@ class Pyramid:
         of, low, mean, high = found.number, found.low, found.mean, found.high
         return FigureSeries(width, found.times[asked], of[asked], low[asked], mean[asked], high[asked])
 
+    def _number(self, robot: str) -> int:
+        return number_of(f"{robot}\0{self._signal}" if self._signal else robot)
+
+    def _thin(self, number: int) -> None:
+        """Let go of what is older than its level is kept, in whole days."""
+        newest = self._day_of(number, "max") if self._signal else None
+        for width, age in zip(WIDTHS, OF_SIGNALS, strict=True):
+            if newest is not None and age is not None:
+                query = "DELETE FROM figures WHERE robot = ? AND width = ? AND start < ?"
+                self._base.execute(query, (number, width, newest - age))
+
+    def _kept_since(self, number: int, width: int) -> int:
+        """The time [ns] since which a level has all that was kept; of one that was never thinned, any."""
+        if not self._signal or width == WIDTHS[-1]:
+            return -(2**63)
+        oldest, day = self._day_of(number, "min", width), self._day_of(number, "min")
+        if day is None or (oldest is not None and oldest <= day):
+            return -(2**63)
+        return 2**63 - 1 if oldest is None else oldest
+
+    def _day_of(self, number: int, end: str, width: int = WIDTHS[-1]) -> int | None:
+        """The day [ns] of the first or last row of a level (``min``, ``max``); None where there is none."""
+        query = f"SELECT {end}(start) FROM figures WHERE robot = ? AND width = ?"
+        found: int | None = self._base.execute(query, (number, width)).fetchone()[0]
+        return None if found is None else found // DAY * DAY
+
     def _days(self, number: int) -> tuple[int, int]:
         """How many days there are, and all their checksums together."""
         query = "SELECT substr(CAST(body AS BLOB), ?) FROM figures WHERE robot = ? AND width = ?"
@@ -141,7 +178,7 @@ class Pyramid:
         return len(sums), functools.reduce(operator.xor, (int.from_bytes(bytes(one)) for one in sums), 0)
 
     def _know_days(self, robot: str) -> None:
-        know(self._base, "figures", robot, *self._days(number_of(robot)))
+        know(self._base, self._part, robot, *self._days(self._number(robot)))
 
     def _rows(self, number: int, width: int, start: int, end: int) -> int:
         query = """SELECT count(*) FROM (
@@ -153,7 +190,9 @@ class Pyramid:
         query = """SELECT start, body FROM figures
             WHERE robot = ? AND width = ? AND start >= ? AND start < ? ORDER BY start"""
         rows = self._base.execute(query, (number, width, start, end)).fetchall()
-        return unpacked(width, [start for start, _ in rows], [_sound(number, width, *row) for row in rows])
+        return unpacked(
+            width, [start for start, _ in rows], [_sound(number, width, *row) for row in rows], self._columns
+        )
 
     def _put(self, number: int, series: FigureSeries) -> None:
         rows = zip(series.times.tolist(), packed(series), strict=True)

@@ -76,6 +76,19 @@ class History(ABC):
         and highest of a span of time. No report's figures are ever left out.
         """
 
+    def signals(self) -> list[str]:
+        """Return the names of the signals whose courses are kept, sorted; a store may keep none."""
+        return []
+
+    def course(
+        self, signal: str, start: int | None = None, end: int | None = None, points: int = POINTS
+    ) -> FigureSeries:
+        """Return a signal from a time until before another [ns], in its messages' unit, as the one figure of a series.
+
+        Points as of ``figures``; of long ago there are coarser ones alone.
+        """
+        raise StoreError("this kind of store keeps no courses of signals; expected one in SQLite")
+
     @abstractmethod
     def report_at(self, time: int) -> Mapping[str, Any] | None:
         """Return the last report that is kept up to a time [ns], else the first after it; None where there is none."""

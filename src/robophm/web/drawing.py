@@ -12,9 +12,11 @@ from robophm.design.drawable import Drawable
 from robophm.health.unknown_rates import marks
 from robophm.report.dependence import dependence
 from robophm.report.labels import part_labels
+from robophm.report.layout import Box as PlacedBox
 from robophm.report.layout import Measures, layout
 from robophm.report.markup import text_width
 from robophm.report.outline import Label, More, Spare, names, outline, words
+from robophm.report.words import count_text
 from robophm.web.prepared_robot import PreparedRobot
 from robophm.web.shapes import Box, Drawing, Gate, Line, Unit
 
@@ -27,10 +29,12 @@ _MANY, _BROADEST = 12, 20_000.0
 
 
 def drawing(
-    prepared: PreparedRobot, drawn: Drawable, path: str, width: float, unit: Unit, *, whole: bool = False
-) -> Drawing:
+    prepared: PreparedRobot, drawn: Drawable, path: str, width: float, unit: Unit, *, whole: bool = False,
+    around: str = "",
+) -> Drawing:  # fmt: skip
     """Return the diagram of the level at a path, as drawn, or ``whole``: down to its parts. Raises DesignError.
 
+    Where it has more parts than are drawn at once, it is the stretch in which the part ``around`` is, else the first.
     Of a design that is wrong all levels are drawn for themselves: what is in them together may not be known.
     """
     module = prepared.modules.get(path)
@@ -43,7 +47,12 @@ def drawing(
     )  # fmt: skip
     if path in drawn.empty:
         return level
-    nodes = outline(module.diagram if whole and not drawn.wrong else module.wiring, MOST_PARTS if whole else MOST_BOXES)
+    diagram, most = module.diagram if whole and not drawn.wrong else module.wiring, MOST_PARTS if whole else MOST_BOXES
+    every = [unit.partition("[")[0] for unit in units(diagram)]
+    first = _place_of(around, every) // most * most
+    level.earlier = every[first - most] if first else None
+    level.later = every[first + most] if first + most < len(every) else None
+    nodes = outline(diagram, most, first)
     places = Counter(units(module.diagram if whole else module.wiring)) | Counter(names(nodes))
     labels = _labels(prepared, drawn, [*names(nodes)], unit)
     wide = max([_NARROWEST, *(_needs(label) for label in labels.values())])
@@ -52,6 +61,8 @@ def drawing(
     while len(laid.boxes) > _MANY and laid.height > laid.width and width < _BROADEST:
         width *= 1.5  # a strip is seen from too far away
         laid = layout(nodes, measures, width)
+    if level.earlier or level.later:
+        level.notes.append(_left_out(laid.boxes))
     level.wrong = _in_no_box(drawn, path, {name.partition("[")[0] for name in names(nodes)})
     level.width, level.height = laid.width, laid.height
     level.boxes = [
@@ -77,6 +88,24 @@ def drawing(
         for gate in laid.gates
     ]
     return level
+
+
+def _place_of(part: str, every: Sequence[str]) -> int:
+    """The place of a part's first unit among those of a diagram, of the first in it, or of what it is in; else 0."""
+    if not part:
+        return 0
+    for is_it in (part.__eq__, lambda one: one.startswith(f"{part}/"), lambda one: part.startswith(f"{one}/")):
+        if (found := next((i for i, one in enumerate(every) if is_it(one)), None)) is not None:
+            return found
+    return 0
+
+
+def _left_out(boxes: Sequence[PlacedBox]) -> str:
+    """What is said of the parts before and behind those that are drawn."""
+    counts = [box.part.count if isinstance(box.part, More) else 0 for box in boxes]
+    drawn = [i for i, count in enumerate(counts) if not count]
+    before, behind = sum(counts[: drawn[0]]), sum(counts[drawn[0] :])
+    return f"Not drawn are {count_text(before)} parts before these and {count_text(behind)} behind."
 
 
 def _labels(prepared: PreparedRobot, drawn: Drawable, parts: Sequence[str], unit: Unit) -> dict[str, Label]:

@@ -363,6 +363,9 @@ class Drawing(Shape):
     """Number of mistakes that are of no part of this level."""
     wired: bool = True
     """Whether its wires are known; where its diagram is wrong, its parts are drawn side by side."""
+    earlier: str | None = None
+    """First part of the stretch before the one that is drawn, where a level has more parts than are drawn at once."""
+    later: str | None = None
 
 
 DesignState.model_rebuild()

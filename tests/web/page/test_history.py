@@ -8,7 +8,12 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 
+import robophm
 from robophm.core.signal import SECOND
+from robophm.design.file import load
+from robophm.monitoring.replay import replay
+from robophm.report.why import reasons
+from robophm.stores import open_store
 
 from ..conftest import SMALL, serving
 from ..test_history import BEGIN, fill
@@ -62,6 +67,34 @@ def test_from_a_year_to_a_day_to_the_report_of_then(visit, lived):
     page.get_by_role("button", name="All", exact=True).click()
     page.get_by_text("each point 24 h").wait_for()
     assert look.wrong == []
+
+
+HOT = SMALL.replace(
+    "motor: {quantity: 2, rate: 8 FPMH}",
+    "motor: {quantity: 2, rate: 8 FPMH, signals: {temperature: {topic: /casters, field: t, unit: degC}}}",
+)
+
+
+def test_since_when_a_stress_is_beyond_its_design_and_its_course_beside_the_figures(visit, tmp_path):
+    """Four hours at 20 °C, then at 40 °C, designed for 25 °C; a report every ten minutes."""
+    design, begin = tmp_path / "courier.yaml", BEGIN // SECOND
+    design.write_text(HOT)
+    rows = [f"{begin + 5 * i},{20 if i < 2880 else 40}" for i in range(5760)]
+    (tmp_path / "drive.csv").write_text("time,/casters.t\n" + "\n".join(rows) + "\n")
+    with open_store(tmp_path / "past.db") as store:
+        replay(load(design), tmp_path / "drive.csv", store=store, report_every=600)
+    after, since = (datetime.fromtimestamp(begin + 4 * 3600 + one, UTC) for one in (0, 600))
+    said = f"above that since {since:%Y-%m-%d %H:%M:%S} UTC, not yet at {after:%Y-%m-%d %H:%M:%S} UTC"
+    with serving(design, seed=1, store=tmp_path / "past.db") as served:
+        look = visit(served)
+        page = look.open("overview")
+        page.locator("details.answer summary").click()
+        page.get_by_text(said).wait_for()
+        page.get_by_role("link", name="History").click()
+        signal = page.get_by_role("region", name="Signal", exact=True)
+        signal.get_by_text("/casters.t [°C]").first.wait_for()
+        assert look.serious() == []
+    assert said in " ".join(reasons(robophm.why(design, tmp_path / "past.db")))
 
 
 def test_cards_tell_what_has_changed_up_to_now_and_draw_no_line_where_nothing_was_known(visit, tmp_path):

@@ -92,6 +92,27 @@ def test_two_thousand_parts_are_tiles_from_afar_and_boxes_from_near(visit, large
     assert look.wrong == []
 
 
+def test_of_five_thousand_parts_of_one_level_the_one_that_is_sought_is_gone_to(visit, tmp_path):
+    design = tmp_path / "broad.yaml"
+    parts = "".join(f"  part {i}: {{rate: 1e-9 /h}}\n" for i in range(5000))
+    design.write_text(f"schema_version: 1\nname: broad\ncomponents:\n{parts}")
+    with serving(design) as served:
+        drawn = served.get("/api/design/drawing", around="part 4321")
+        assert {box["part"] for box in drawn["boxes"]} == {f"part {i}" for i in range(4000, 4400)} | {None}
+        assert (drawn["earlier"], drawn["later"]) == ("part 3600", "part 4400")
+        look = visit(served)
+        page = look.open("design")
+        page.get_by_text("Not drawn are 0 parts before these and 4,600 behind.").wait_for()
+        page.get_by_placeholder("Find a part").fill("part 4321")
+        page.get_by_role("treeitem", name="part 4321").click()
+        page.locator(".box.chosen", has_text="part 4321").wait_for()
+        page.get_by_text("Not drawn are 4,000 parts before these and 600 behind.").wait_for()
+        page.get_by_role("button", name="Later parts").click()
+        page.get_by_text("Not drawn are 4,400 parts before these and 200 behind.").wait_for()
+        page.locator(".tile title", has_text="part 4799").wait_for(state="attached")
+        assert look.serious() == []
+
+
 def test_a_block_beyond_its_limit_is_an_error(small):
     limit = {"hazard_rate": "1e-9 /h"}
     small.edit({"op": "put", "path": ["modules", "drive", "thresholds"], "value": limit})

@@ -6,6 +6,8 @@ import { durationText, momentText, moreText, numberText, RATE_UNITS, rateText, t
 import { ICONS } from "../parts/Icon";
 import { type Curve, Plot } from "../parts/Plot";
 import { Table } from "../parts/Table";
+import { broken } from "./history/broken";
+import { SignalPlot } from "./history/SignalPlot";
 
 export const page = { name: "History", icon: ICONS.stale, order: 55 };
 
@@ -105,6 +107,7 @@ export default function History(): ReactNode {
         {plots.map((one) => (
           <Plot key={one.title} {...one} xLabel="time" time marks={marks} at={at} zoomTo={(low, high) => setSpan([low, high])} pick={setAt} empty="Not known of this time." />
         ))}
+        <SignalPlot signals={past.signals} span={span} asked={`${asked} ${monitoring}`} marks={marks} at={at} zoomTo={(low, high) => setSpan([low, high])} pick={setAt} />
       </div>
       <div className="stack">
         <Then at={at ?? to} unit={unit} />
@@ -153,11 +156,11 @@ function drawn(past: Past, unit: RateUnit): { title: string; yLabel: string; cur
     ["task_failure", "Probability of failing the task", "1 − PoTC, given that it works then", 1],
   ] as const;
   const middle = past.times.map((time) => time + past.width / 2);
-  const x = broken(past, middle, (i) => (middle[i - 1]! + middle[i]!) / 2);
+  const x = broken(past.breaks, middle, (i) => (middle[i - 1]! + middle[i]!) / 2);
   const curve = (name: string, values: (number | null)[], factor: number, more: Partial<Curve>): Curve => ({
     name,
     x,
-    y: broken(past, values.map((one) => one && one * factor), () => null),
+    y: broken(past.breaks, values.map((one) => one && one * factor), () => null),
     ...more,
   });
   const found = hours.map(([figure, title, yLabel, factor]) => {
@@ -178,13 +181,6 @@ function drawn(past: Past, unit: RateUnit): { title: string; yLabel: string; cur
     { title: "State", yLabel: "0 ok, 1 warning, 2 stale, 3 error", curves: of("state", "high") },
   ];
   return [...found, ...rest].filter((one) => one.curves.length);
-}
-
-/** Values with one more before each break, so that no line crosses it. */
-function broken<T>(past: Past, values: T[], between: (place: number) => T): T[] {
-  if (!past.breaks.length) return values;
-  const before = new Set(past.breaks);
-  return values.flatMap((value, i) => (before.has(i) ? [between(i), value] : [value]));
 }
 
 /** The robot's report as it was at a time, and how far from it that is. */

@@ -185,9 +185,10 @@ def get_drawing(
     width: Annotated[float, Query(ge=100, le=20_000)] = 1000,
     unit: Unit = "1/h",
     whole: bool = False,
+    around: Annotated[str, Query(max_length=5000)] = "",
 ) -> Drawing:
-    """The block diagram of a level, laid out."""
-    return drawing(*service.to_draw(), path, width, unit, whole=whole)
+    """The block diagram of a level, laid out; of one with more parts than are drawn the stretch ``around`` a part."""
+    return drawing(*service.to_draw(), path, width, unit, whole=whole, around=around)
 
 
 def apply(document: Any, operation: Operation, lived: Lived = NOTHING) -> None:

@@ -74,7 +74,21 @@ class History(Shape):
     breaks: list[int]
     """Places in ``times`` before which no report was for long: no line goes there."""
     figures: dict[str, FigureOverTime]
+    signals: dict[str, str | None]
+    """Units of the signals whose courses are kept, by name; null where the design does not bind it any more."""
     events: Annotated[list[PastEvent], Field(max_length=MOST_EVENTS)]
+
+
+class PastSignal(Shape):
+    """The course of a signal over a stretch of the past, as its messages have it."""
+
+    width: float
+    """Length of the time of one point [s]; 0 where each is one report, whose value is the mean of ten minutes."""
+    times: list[float]
+    """Times of the points' beginnings [s since the epoch]."""
+    breaks: list[int]
+    """Places in ``times`` before which no report was for long: no line goes there."""
+    values: FigureOverTime
 
 
 class PastReport(Shape):
@@ -145,16 +159,18 @@ def get_history(
     points: Annotated[int, Query(ge=2, le=MOST_POINTS)] = POINTS,
 ) -> History:
     """The figures and events from a time until before another [s since the epoch], each open where it is left out."""
-    robot = service.prepared().robot.identity
-    first, last = (None if at is None else round(at * SECOND) for at in (start, end))
+    design = service.prepared().robot
+    robot = design.identity
+    first, last = _span(start, end)
     with service.monitoring.history() as store:
         if store is None or (oldest := store.history(robot).report_at(-(2**62))) is None:
-            return History(first=None, last=None, width=0, times=[], breaks=[], figures={}, events=[])
+            return History(first=None, last=None, width=0, times=[], breaks=[], figures={}, signals={}, events=[])
         newest = store.history(robot).report_at(2**62) or oldest
         found, told = (
             store.history(robot).figures(first, last, points),
             store.history(robot).events(first, last, MOST_EVENTS),
         )
+        kept = store.history(robot).signals()
     return History(
         first=oldest["time"] / SECOND,
         last=newest["time"] / SECOND,
@@ -166,8 +182,31 @@ def get_history(
             for name in FIGURES
             for low, mean, high in (found.of(name),)
         },
+        signals={one: design.signals.get(one) for one in kept},
         events=[PastEvent(time=one.time / SECOND, kind=one.kind, subject=one.subject, said=one.said) for one in told],
     )
+
+
+@router.get("/signal", responses={404: {"description": "No course of it is kept"}})
+def get_past_of_signal(
+    service: Served,
+    signal: Annotated[str, Query(max_length=600)],
+    start: Moment | None = None,
+    end: Moment | None = None,
+    points: Annotated[int, Query(ge=2, le=MOST_POINTS)] = POINTS,
+) -> PastSignal:
+    """The course of a signal from a time until before another [s since the epoch], each open where it is left out."""
+    robot = service.prepared().robot.identity
+    with service.monitoring.history() as store:
+        history = store.history(robot) if store else None
+        if history is None or signal not in history.signals():
+            raise HTTPException(404, f"no course of '{signal:.100}' is kept")
+        found = history.course(signal, *_span(start, end), points)
+    low, mean, high = (_values(each[:, 0]) for each in (found.low, found.mean, found.high))
+    return PastSignal(
+        width=found.width / SECOND, times=(found.times / SECOND).tolist(), breaks=found.broken.tolist(),
+        values=FigureOverTime(low=low, mean=mean, high=high),
+    )  # fmt: skip
 
 
 @router.get("/trends")
@@ -225,6 +264,11 @@ def get_report_as_it_was(service: Served, time: Moment) -> PastReport:
     if found is None:
         raise HTTPException(404, "no report is kept of this robot")
     return PastReport(time=found["time"] / SECOND, hours_before=(asked - found["time"]) / HOUR, report=dict(found))
+
+
+def _span(start: float | None, end: float | None) -> tuple[int | None, int | None]:
+    first, last = (None if at is None else round(at * SECOND) for at in (start, end))
+    return first, last
 
 
 def _values(values: Array) -> Values:

@@ -15,6 +15,9 @@ from robophm.core.signal import SECOND, signal_name, split_signal
 from robophm.core.units import conversion
 from robophm.core.waiting_time import LONGEST
 from robophm.design.robot import Robot
+from robophm.health.report import HealthReport
+from robophm.health.why import Explanation
+from robophm.monitoring.stress_since import with_since
 from robophm.transports.signals.message_units import field_unit
 from robophm.web.access.roles import needs
 from robophm.web.health import Freshness, Health, health_of
@@ -154,8 +157,8 @@ def get_health(
         with service.monitoring.alarm_log(run.robot) as log:
             alarms = log.alarms(open_only=True)
         return health_of(
-            run.report, run.lives, run, why=run.why, design_changed=changed, sensors=sensors, horizon=horizon,
-            alarms=alarms,
+            run.report, run.lives, run, why=told_since(run.why, run.lives, service), design_changed=changed,
+            sensors=sensors, horizon=horizon, alarms=alarms,
         )  # fmt: skip
     prepared = service.prepared()
     report, why = prepared.health(*service.past(prepared))
@@ -163,9 +166,17 @@ def get_health(
     with service.monitoring.alarm_log(prepared.robot) as log:
         alarms = log.alarms(open_only=True)
     return health_of(
-        report, report, run, why=why, design_changed=changed, sensors=sensors, horizon=horizon,
-        alarms=alarms,
+        report, report, run, why=told_since(why, report, service), design_changed=changed, sensors=sensors,
+        horizon=horizon, alarms=alarms,
     )  # fmt: skip
+
+
+def told_since(why: Explanation | None, report: HealthReport | None, service: Service) -> Explanation | None:
+    """Return why a robot's health is as the report says, with since when, as its history tells."""
+    if why is None or report is None or not any(part.stresses for part in why.parts):
+        return why
+    with service.monitoring.history() as store:
+        return with_since(why, store.history(report.design.identity) if store else None, report.time)
 
 
 def freshness(robot: Robot, service: Service) -> list[Freshness]:

@@ -120,6 +120,7 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
   const [fitted, setFitted] = useState<Shapes["Drawing"] | null>(null);
   const [wrong, setWrong] = useState("");
   const [whole, setWhole] = useState(false);
+  const [around, setAround] = useState(""); // a part in the stretch that is drawn, of a level with too many to be drawn at once
   const host = useRef<HTMLDivElement>(null);
   const [width, setWidth] = useState(0);
   const [drag, setDrag] = useState<Drag | null>(null);
@@ -135,12 +136,12 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
     return () => observer.disconnect();
   }, []);
 
-  const wanted = JSON.stringify([level, unit, whole, width, design?.state]);
+  const wanted = JSON.stringify([level, unit, whole, width, design?.state, around]);
   const busy = !wrong && (drawn !== wanted || fitted !== drawing);
   useEffect(() => {
     const asked = new AbortController();
     if (!width) return;
-    get("/api/design/drawing", { path: level, width: whole ? Math.max(width, 1200) : width, unit, whole }, asked.signal)
+    get("/api/design/drawing", { path: level, width: whole ? Math.max(width, 1200) : width, unit, whole, around }, asked.signal)
       .then((found) => {
         setDrawing(found);
         setDrawn(wanted);
@@ -155,10 +156,16 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
 
   useEffect(() => {
     if (!drawing) return;
-    const same = drawing.path === fitted?.path && drawing.width === fitted.width && drawing.height === fitted.height;
+    const same = drawing.path === fitted?.path && drawing.earlier === fitted.earlier && drawing.width === fitted.width && drawing.height === fitted.height;
     if (same) setFitted(drawing); // seen as the user left it
     else requestAnimationFrame(() => void flow.fitView({ padding: 0.06, maxZoom: 1.15 }).then(() => setFitted(drawing)));
   }, [drawing, flow]);
+
+  const alone = chosen.length === 1 ? chosen[0]! : "";
+  const absent = !!alone && drawing?.path === level && !!(drawing.earlier || drawing.later) && (whole ? alone.startsWith(level && `${level}/`) : levelOf(alone) === level) && !drawing.boxes.some((box) => box.part && `${stem(box.part)}/`.startsWith(`${alone}/`));
+  useEffect(() => {
+    if (absent) setAround(alone);
+  }, [absent, alone]);
 
   // a part of many that was found elsewhere, as in the tree, is gone to
   const sought = chosen.length === 1 && drawing && drawing.boxes.length > MANY ? drawing.boxes.find((box) => box.part && stem(box.part) === chosen[0]) : undefined;
@@ -223,6 +230,11 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
 
   function pick(path: string, add: boolean): void {
     choose(!add ? [path] : chosen.includes(path) ? chosen.filter((one) => one !== path) : [...chosen.filter(Boolean), path]);
+  }
+
+  function step(part: string | null | undefined): void {
+    choose([level]); // else what is chosen would be gone to
+    setAround(part ?? "");
   }
 
   function keys(event: React.KeyboardEvent): void {
@@ -293,6 +305,16 @@ export function Blocks({ level, chosen, choose, open }: Props): ReactNode {
           <strong aria-live="polite">{drag.target ? `Drop it here: ${drag.target.words}` : "Drop it here: nothing changes"}</strong>
         ) : (
           <span className="hint-line">▲ single point of failure. Double-click a module to open it; drag a box to move it (M); Shift+drag or Ctrl+click chooses several.</span>
+        )}
+        {drawing && (drawing.earlier || drawing.later) && (
+          <span className="row">
+            <button disabled={!drawing.earlier} onClick={() => step(drawing.earlier)}>
+              Earlier parts
+            </button>
+            <button disabled={!drawing.later} onClick={() => step(drawing.later)}>
+              Later parts
+            </button>
+          </span>
         )}
         {!drag && drawing?.notes.map((note) => <span key={note}>{note}</span>)}
       </div>
