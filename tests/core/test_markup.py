@@ -26,3 +26,13 @@ def test_attributes_count_as_elements_do(tmp_path, monkeypatch):
     assert len(read(tmp_path / "sound.xml", f"<l {attributes}/>").attributes) == 99
     with pytest.raises(DesignError, match=r"large\.xml:1: more than 100 elements and attributes"):
         read(tmp_path / "large.xml", f"<l {attributes} more='1'/>")
+
+
+@pytest.mark.parametrize("tag", ["<l {attributes}/>", "<l><!-- {attributes} --></l>", "<l><?p {attributes}?></l>"])
+def test_a_tag_that_goes_on_and_on_is_refused_before_its_attributes_are_made(tmp_path, monkeypatch, tag):
+    monkeypatch.setattr(markup, "MAX_TAG", 100_000)
+    many = tag.format(attributes=" ".join(f"a{i}='1'" for i in range(50_000)))
+    with pytest.raises(DesignError, match=r"large\.xml:1: a tag or comment has more than 100,000 bytes"):
+        read(tmp_path / "large.xml", many)
+    text = "x" * 300_000  # which is no tag
+    assert read(tmp_path / "sound.xml", f"<l>{text}<![CDATA[{text}]]><a b='{text[:90_000]}'/></l>").content == 2 * text

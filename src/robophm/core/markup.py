@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from xml.parsers import expat
 
 from robophm.core.errors import DesignError
@@ -16,20 +17,27 @@ MAX_BYTES = 50_000_000
 MAX_DEPTH = 100
 """The deepest nesting of elements."""
 
-MAX_ELEMENTS = 2_000_000
-"""The most elements and attributes together."""
+MAX_ELEMENTS = 1_500_000
+"""The most elements and attributes together: they, and what is made of them, take 400 MB at most."""
+
+MAX_TAG = 1_000_000
+"""The most bytes that a tag or a comment may have: what has millions of attributes is refused before they are made."""
+
+_PIECE = 1 << 16
+_NO_ATTRIBUTES: Mapping[str, str] = MappingProxyType({})
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Element:
-    """One XML element; ``text`` is the text in it outside of other elements."""
+    """One XML element."""
 
     tag: str
     attributes: Mapping[str, str]
     line: int
-    children: list[Element] = field(default_factory=list)
-    text: list[str] = field(default_factory=list)
-    file: str = ""
+    children: tuple[Element, ...]
+    content: str
+    """The text of this element, less its children's, without white space around it."""
+    file: str
     """The name of the file in which it stands."""
 
     def inside(self) -> Iterator[Element]:
@@ -50,11 +58,6 @@ class Element:
     def fault(self, message: str) -> DesignError:
         """Return an error at this element, to be raised: file, line, what is wrong."""
         return DesignError(f"{self.file}:{self.line}: {message}")
-
-    @property
-    def content(self) -> str:
-        """The text of this element, less its children's, without white space around it."""
-        return "".join(self.text).strip()
 
 
 class Markup:
@@ -82,8 +85,9 @@ class Markup:
         """Return the outermost element. Raises DesignError for what is no XML, declares entities or attributes, or
         exceeds the bounds."""
         parser = expat.ParserCreate()
+        parser.buffer_text = True
         outermost: list[Element] = []
-        stack: list[Element] = []
+        stack: list[tuple[str, Mapping[str, str], int, list[Element], list[str]]] = []
         count = 0
 
         def start(tag: str, attributes: dict[str, str]) -> None:
@@ -94,9 +98,12 @@ class Markup:
                 raise self.fault(line, f"more than {MAX_ELEMENTS:,} elements and attributes")
             if len(stack) >= MAX_DEPTH:
                 raise self.fault(line, f"is nested too deeply; expected at most {MAX_DEPTH} levels")
-            element = Element(tag, attributes, line, file=self.name)
-            (stack[-1].children if stack else outermost).append(element)
-            stack.append(element)
+            stack.append((tag, attributes or _NO_ATTRIBUTES, line, [], []))
+
+        def end(_: str) -> None:
+            tag, attributes, line, children, text = stack.pop()
+            whole = Element(tag, attributes, line, tuple(children), "".join(text).strip(), self.name)
+            (stack[-1][3] if stack else outermost).append(whole)
 
         def entity(*declaration: object) -> None:
             raise self.fault(parser.CurrentLineNumber, f"declares the entity '{declaration[0]}'; none is taken")
@@ -105,12 +112,16 @@ class Markup:
             raise self.fault(parser.CurrentLineNumber, f"declares attributes of '{tag}'; none are taken")
 
         parser.StartElementHandler = start
-        parser.EndElementHandler = lambda _tag: stack.pop()
-        parser.CharacterDataHandler = lambda text: stack[-1].text.append(text)
+        parser.EndElementHandler = end
+        parser.CharacterDataHandler = lambda text: stack[-1][4].append(text)
         parser.EntityDeclHandler = entity
         parser.AttlistDeclHandler = default
         try:
-            parser.Parse(self._text, True)
+            for begin in range(0, self.size, _PIECE):
+                parser.Parse(self._text[begin : begin + _PIECE], False)
+                if begin - parser.CurrentByteIndex > MAX_TAG:
+                    raise self.fault(parser.CurrentLineNumber, f"a tag or comment has more than {MAX_TAG:,} bytes")
+            parser.Parse(b"", True)
         except expat.ExpatError as error:
             raise self.fault(error.lineno, f"is no XML: {expat.ErrorString(error.code)}") from None
         except (ValueError, LookupError) as error:  # of an unknown encoding

@@ -195,6 +195,24 @@ def test_only_digests_are_kept_and_only_the_owner_reads_them(tmp_path: Path) -> 
     assert {stat.S_IMODE(one.stat().st_mode) for one in tmp_path.iterdir()} == {0o600}
 
 
+def test_a_name_that_nobody_has_costs_what_a_wrong_password_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    users = Users(AccessFile(None))
+    users.add_person("anna", "editor", PASSWORD)
+    asked: list[dict[str, int]] = []
+    scrypt = hashlib.scrypt
+
+    def counted(password: bytes, *, salt: bytes, **cost: int) -> bytes:
+        asked.append(cost)
+        return scrypt(password, salt=salt, **cost)
+
+    monkeypatch.setattr(hashlib, "scrypt", counted)
+    for name in ("anna", "nobody"):
+        assert users.log_in(name, "wrong") is None
+    of_anna, of_nobody = asked
+    assert of_anna == of_nobody
+    assert 128 * of_anna["n"] * of_anna["r"] == 16 << 20  # bytes, by RFC 7914
+
+
 def test_users(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     users = Users(AccessFile(None))
     assert not users
