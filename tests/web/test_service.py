@@ -252,6 +252,7 @@ def test_it_watches_without_a_browser_and_stops_when_told(watched):
     until = time.monotonic() + 60
     done = []
     while not done and time.monotonic() < until:
+        time.sleep(0.1)
         done = [one for one in watched.get("/api/tasks/arrived")["tasks"] if one["actual"]]
     assert done
     assert all(0 < one["actual"]["chance"]["nominal"]["probability"] < 1 for one in done)
