@@ -1,4 +1,4 @@
-"""Some 1,900 damaged recordings; `make fuzz` has a million, by the same mechanism."""
+"""Some 5,200 damaged recordings; `make fuzz` has a million, by the same mechanism."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .fuzz.mutate import Mutant
 from .fuzz.pool import Result
 from .fuzz.seeds import TOPICS, seeds, truth
 
-FILES, LOGS, DAMAGED_MESSAGES = 200, 100, 40
+FILES, LOGS, DAMAGED_MESSAGES = 400, 200, 40
 MEMORY = 512 << 20
 
 
