@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import csv
+import gc
 import importlib.util
 import os
 import subprocess
@@ -14,9 +15,10 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import settings
+from tests.cases import examples
 
 # Busy machines are slow: there is no deadline.
-settings.register_profile("robophm", derandomize=True, database=None, deadline=None)
+settings.register_profile("robophm", derandomize=True, database=None, deadline=None, max_examples=examples(100))
 settings.load_profile("robophm")
 
 NO_SHARED = "no shared/ folder beside the project"
@@ -116,6 +118,11 @@ def answer(record_property: Callable[[str, object], None]) -> Callable[..., None
         record_property(ANSWER, {"kind": kind, "file": file, "disputed": disputed})
 
     return say
+
+
+def pytest_collection_finish() -> None:
+    """All that collecting made stays until the end: it is not looked through for garbage again and again."""
+    gc.freeze()
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

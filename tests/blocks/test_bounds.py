@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.blocks.test_fault_tree import aralia, minimal, occurs, random_tree, states
+from tests.cases import examples
 
 from robophm.blocks.bounds import ANYTHING, Bounds, Chance, bounded
 from robophm.blocks.cut_sets import MinimalSets
@@ -43,7 +44,7 @@ def unsolved(gates: list[Gate], n: int) -> list[tuple[int, tuple[int, ...]]]:
     return [(k, inputs) for k, inputs in gates[n:]]
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=examples(60), deadline=None, derandomize=True)
 @given(st.integers(0, 2**32), st.booleans())
 def test_the_bounds_of_random_trees_hold_the_sum_over_all_states(seed, coherent):
     rng = random.Random(seed)
@@ -73,7 +74,7 @@ def test_bounds_are_wide_where_much_was_cut_off():
     assert sum(one > 1e-3 for one in widths) >= 3
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=examples(60), deadline=None, derandomize=True)
 @given(st.integers(0, 2**32), st.booleans())
 def test_bounds_of_events_reach_the_top(seed, coherent):
     """Whatever the events' probabilities are between theirs, the top's is between its."""
@@ -111,7 +112,7 @@ def test_a_voting_of_many_is_bounded_by_what_the_binomial_says():
     assert whole.chance.low == whole.chance.high == pytest.approx(exact, rel=1e-12)
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=examples(60), deadline=None, derandomize=True)
 @given(st.integers(0, 2**32))
 def test_unlikely_sets_left_out_are_unlikely_and_all_others_are_there(seed):
     rng = random.Random(seed)

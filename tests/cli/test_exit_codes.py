@@ -42,13 +42,13 @@ def test_a_process_of_its_own_leaves_with_the_code(run, design, args, code):
     assert bool(done.stderr) == (code != OK)
 
 
-def test_breached(run, design):
+def test_breached(inside, design):
     design.write_text(design.read_text().replace("completion: 0.99", "hazard_rate: 1 FIT"))
-    done = run("predict", design)
+    done = inside("predict", design)
     assert done.returncode == BREACHED
     assert "threshold breached: " in done.stdout
-    assert run("predict", design, "--json").returncode == BREACHED
-    assert run("check", design).returncode == OK
+    assert inside("predict", design, "--json").returncode == BREACHED
+    assert inside("check", design).returncode == OK
 
 
 @pytest.mark.parametrize(

@@ -23,22 +23,22 @@ def edited(design, old, new):
     design.write_text(text.replace(old, new))
 
 
-def test_a_recording_is_counted_once(run, design, recording, tmp_path):
-    first = run("replay", design, recording, "--store", "past.db", "--report", "page.html", "--json")
+def test_a_recording_is_counted_once(inside, design, recording, tmp_path):
+    first = inside("replay", design, recording, "--store", "past.db", "--report", "page.html", "--json")
     assert (first.returncode, first.stderr) == (OK, "")
     health = json.loads(first.stdout)
     assert health["clocks"]["operating"] == pytest.approx(599 / 3600, rel=1e-3)
     assert (tmp_path / "page.html").read_text().startswith("<!doctype html>")
-    again = run("replay", design, recording, "--store", "past.db", "--json")
+    again = inside("replay", design, recording, "--store", "past.db", "--json")
     assert again.stderr == "warning: this recording is already in past.db; it is not counted again\n"
     assert json.loads(again.stdout)["clocks"] == health["clocks"]
-    predicted = json.loads(run("predict", design, "--store", "past.db", "--json").stdout)
+    predicted = json.loads(inside("predict", design, "--store", "past.db", "--json").stdout)
     assert predicted["clocks"] == health["clocks"]
     assert predicted["subjects"] == health["subjects"]
 
 
-def test_the_table_says_what_the_document_says(run, design, recording):
-    shown = run("replay", design, recording, "--unit", "FIT")
+def test_the_table_says_what_the_document_says(inside, design, recording):
+    shown = inside("replay", design, recording, "--unit", "FIT")
     assert (shown.returncode, shown.stderr) == (OK, "")
     assert shown.stdout.startswith("Health of OTA")
     assert "543,700 FIT" in shown.stdout  # nominal, Σ quantity · rate of the paper's table
@@ -108,11 +108,11 @@ def test_no_recording_at_all(inside, design, tmp_path, name):
     assert sorted(tmp_path.iterdir()) == before
 
 
-def test_a_store_is_not_changed_by_a_bad_recording(run, design, recording, tmp_path):
-    run("replay", design, recording, "--store", "past.db")
+def test_a_store_is_not_changed_by_a_bad_recording(inside, design, recording, tmp_path):
+    inside("replay", design, recording, "--store", "past.db")
     before = (tmp_path / "past.db").read_bytes()
     (tmp_path / "bad.mcap").write_bytes(b"garbage")
-    assert run("replay", design, "bad.mcap", "--store", "past.db").returncode == INVALID
+    assert inside("replay", design, "bad.mcap", "--store", "past.db").returncode == INVALID
     assert (tmp_path / "past.db").read_bytes() == before
 
 
@@ -159,11 +159,11 @@ def test_paths_with_blanks_letters_and_line_breaks(run, design, recording, tmp_p
     assert {path.suffix for path in folder.iterdir()} == {".mcap", ".yaml", ".db", ".good", ".html"}
 
 
-def test_breached_and_still_kept(run, design, recording, tmp_path):
+def test_breached_and_still_kept(inside, design, recording, tmp_path):
     edited(design, "completion: 0.99", "hazard_rate: 1 FIT")
-    done = run("replay", design, recording, "--store", "past.db")
+    done = inside("replay", design, recording, "--store", "past.db")
     assert done.returncode == BREACHED
-    assert run("predict", design, "--store", "past.db").returncode == BREACHED
+    assert inside("predict", design, "--store", "past.db").returncode == BREACHED
 
 
 SLOW = """

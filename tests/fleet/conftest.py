@@ -108,5 +108,5 @@ def wait_for(condition: Callable[[], Any]) -> Any:
     end = time.monotonic() + DEADLINE
     while not (found := condition()):
         assert time.monotonic() < end, "the condition did not come"
-        time.sleep(0.01)
+        time.sleep(0.04)
     return found

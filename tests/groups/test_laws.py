@@ -92,7 +92,7 @@ def test_lives_that_underflow_at_first() -> None:
 
 
 @given(groups(2))
-@settings(CALM, max_examples=12)
+@settings(CALM, max_examples=6)
 def test_laws_of_pairs(drawn: Drawn) -> None:
     check_laws(drawn)
 
@@ -112,7 +112,7 @@ def test_laws_of_four(drawn: Drawn) -> None:
 
 @pytest.mark.parametrize("n", [2, 3, 4])
 @given(data=st.data())
-@settings(CALM, max_examples=4)
+@settings(CALM, max_examples=2)
 def test_random_groups_by_chance(n: int, data: st.DataObject) -> None:
     check_by_chance(data.draw(groups(n)), seed=n)
 

@@ -18,8 +18,8 @@ BLOCK = re.compile(r"^\*\*([\w./-]+)\*\*(, first in `(\w+)`)?\n\n```\w+\n(.*?)^`
 
 @pytest.fixture
 def copy(tmp_path):
-    """The project without what is built; what builds the page is not copied but linked."""
-    left_out = shutil.ignore_patterns("__pycache__", "static", "*.pyc", "node_modules", "schema.ts")
+    """The project without what is built, but for what Python has compiled; what builds the page is linked."""
+    left_out = shutil.ignore_patterns("static", "node_modules", "schema.ts")
     for folder in ("src", "tests", "examples", "ui", "docs/reference"):
         shutil.copytree(ROOT / folder, tmp_path / folder, ignore=left_out)
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
@@ -63,7 +63,7 @@ def test_a_recipe_works(copy, title):
     if "npm" in text and not (shutil.which("npm") and (ROOT / "ui" / "node_modules" / ".bin").is_dir()):
         pytest.skip("the page cannot be built here: it needs Node, and `npm ci` in ui/")
     (commands,) = re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
-    environment = {**os.environ, "PYTHONPATH": str(copy / "src"), "PYTHONDONTWRITEBYTECODE": "1"}
+    environment = {**os.environ, "PYTHONPATH": str(copy / "src")}
 
     def run(line):
         program, *words = shlex.split(line)

@@ -1,6 +1,7 @@
 """Against mpmath at 60 digits, evaluated at the very doubles that the distribution is given."""
 
 import math
+from functools import cache
 
 import mpmath as mp
 import numpy as np
@@ -55,10 +56,16 @@ def truth(life):
     """H and h of an age, in mpmath and from the textbook's definition of each distribution."""
     p = {name: mp.mpf(value) for name, value in vars(life).items() if isinstance(value, float)}
     location = p.get("location", mp.mpf(0))
-    H, h = of_x(life, p)
+    H, h = (remembered(function) for function in of_x(life, p))
     if life.lowest < 0:
         return (lambda t: H(t - location)), (lambda t: h(t - location))
     return (lambda t: H(max(t - location, 0))), (lambda t: h(t - location) if t >= location else mp.mpf(0))
+
+
+def remembered(function):
+    """The same, worked out once for each x and number of digits."""
+    known = cache(lambda x, _: function(x))
+    return lambda x: known(x, mp.mp.prec)
 
 
 def of_x(life, p):
@@ -113,7 +120,7 @@ def upper(z):
 
 
 def of_tails(F, S, f):
-    return (lambda x: -mp.log1p(-F(x)) if F(x) < 0.5 else -mp.log(S(x))), (lambda x: f(x) / S(x))
+    return (lambda x: -mp.log1p(-failed) if (failed := F(x)) < 0.5 else -mp.log(S(x))), (lambda x: f(x) / S(x))
 
 
 def error(value, expected):

@@ -4,12 +4,13 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from tests.cases import examples
 
 from robophm.core.signal import HOUR
 from robophm.transports.synthetic import SyntheticOta
 
 # Derandomised and without a database of examples: the same tests everywhere, every time.
-settings.register_profile("robophm-measured", derandomize=True, database=None, deadline=None, max_examples=40)
+settings.register_profile("robophm-measured", derandomize=True, database=None, deadline=None, max_examples=examples(60))
 settings.load_profile("robophm-measured")
 
 

@@ -18,7 +18,7 @@ def within(seconds: float, what: Callable[[], object]) -> None:
     deadline = time.monotonic() + PATIENCE * seconds
     while not what():
         assert time.monotonic() < deadline, "did not happen in time"
-        time.sleep(0.01)
+        time.sleep(0.04)  # to ask costs as much as what is waited for, where that is in a journal
 
 
 class Heard(threading.Thread):

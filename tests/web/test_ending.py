@@ -119,7 +119,7 @@ def asked(port, method, path, body=None):
 def started(folder, *words):
     """A service of a folder with a robot that it watches, and its port."""
     (folder / "robot.yaml").write_bytes(OTA.read_bytes())
-    more = ["robot.yaml", "--port", "0", "--synthetic", "--start", "synthetic", "--speed", "10000",
+    more = ["robot.yaml", "--port", "0", "--synthetic", "--start", "synthetic", "--speed", "1000",
             "--store", "past.db", "--journal", "run.journal"]  # fmt: skip
     child = subprocess.Popen(
         [sys.executable, *words, *more], cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE

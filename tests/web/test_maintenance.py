@@ -62,7 +62,7 @@ def until(there: Callable[[], Any]) -> None:
     end = time.monotonic() + 60
     while not there():
         assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.02)
+        time.sleep(0.1)  # each time the service is asked, which takes its time too
 
 
 @contextmanager

@@ -78,7 +78,7 @@ def until(there: Callable[[], bool]) -> None:
     end = time.monotonic() + 60
     while not there():
         assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.02)
+        time.sleep(0.1)  # each time the service is asked, which takes its time too
 
 
 def run_through(served: Served, source: str, speed: float = 10_000) -> None:

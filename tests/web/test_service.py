@@ -78,7 +78,7 @@ def finished(served, job):
     """The job when it is over, within a minute."""
     until = time.monotonic() + 60
     while job["state"] in ("waiting", "running") and time.monotonic() < until:
-        time.sleep(0.02)
+        time.sleep(0.1)
         job = served.get(f"/api/jobs/{job['number']}")
     return job
 
@@ -181,7 +181,7 @@ def watched(tmp_path_factory):
         served.post("/api/monitoring/start", {"source": "synthetic", "speed": 1000})
         until = time.monotonic() + 60
         while served.get("/api/health")["samples"] < 3000 and time.monotonic() < until:
-            time.sleep(0.05)
+            time.sleep(0.2)
         yield served
 
 
@@ -252,6 +252,7 @@ def test_it_watches_without_a_browser_and_stops_when_told(watched):
     until = time.monotonic() + 60
     done = []
     while not done and time.monotonic() < until:
+        time.sleep(0.1)
         done = [one for one in watched.get("/api/tasks/arrived")["tasks"] if one["actual"]]
     assert done
     assert all(0 < one["actual"]["chance"]["nominal"]["probability"] < 1 for one in done)

@@ -71,7 +71,7 @@ def test_what_fails_is_loud_and_is_tried_again(tmp_path: Path, monkeypatch: pyte
 def test_it_ends_soon_after_sigterm_and_its_supervisor_knows(tmp_path: Path) -> None:
     design = tmp_path / "robot.yaml"
     design.write_bytes(OTA.read_bytes())
-    words = ["serve", str(design), "--port", "0", "--synthetic", "--start", "synthetic", "--speed", "10000"]
+    words = ["serve", str(design), "--port", "0", "--synthetic", "--start", "synthetic", "--speed", "1000"]
     place = str(tmp_path / "notify")
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as there:
         there.bind(place)

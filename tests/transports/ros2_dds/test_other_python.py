@@ -21,7 +21,16 @@ __all__ = ["motor"]
 LAUNCHED = Path(__file__).parents[3] / "ros" / "robophm_ros" / "src"
 
 
-@pytest.fixture(params=["of another ABI", "of no ABI that is known"])
+ABIS = ["of another ABI", "of no ABI that is known"]
+
+
+def mostly(abi: str) -> pytest.MarkDecorator:
+    """One of them; the other takes long too, and says what it says in another of these tests."""
+    each = [abi, *(pytest.param(one, marks=pytest.mark.full) for one in ABIS if one != abi)]
+    return pytest.mark.parametrize("sourced", each, indirect=True)
+
+
+@pytest.fixture
 def sourced(request: pytest.FixtureRequest, domain: int, tmp_path: Path) -> dict[str, str]:
     """The environment after a setup; its rclpy is laid out as ROS does, on a compiled extension that cannot be loaded.
 
@@ -46,6 +55,7 @@ def sourced(request: pytest.FixtureRequest, domain: int, tmp_path: Path) -> dict
     }  # fmt: skip
 
 
+@mostly("of another ABI")
 def test_topics_are_heard_and_it_is_said_why(
     motor: Peer, cyclonedds: None, sourced: dict[str, str], tmp_path: Path
 ) -> None:
@@ -61,6 +71,7 @@ def test_topics_are_heard_and_it_is_said_why(
     assert heard["values"]["temperature"] == 35
 
 
+@mostly("of no ABI that is known")
 def test_what_the_launch_file_runs_watches_and_says_each_line_at_once(
     motor: Peer, cyclonedds: None, sourced: dict[str, str], tmp_path: Path
 ) -> None:
@@ -91,6 +102,7 @@ def test_what_the_launch_file_runs_watches_and_says_each_line_at_once(
     assert process.returncode == 0, warned
 
 
+@pytest.mark.parametrize("sourced", ABIS, indirect=True)
 def test_without_the_wheel_it_is_said_which_rclpy_it_is(sourced: dict[str, str], tmp_path: Path) -> None:
     """The wheel is hidden by a name that cannot be found, as on a machine that has none."""
     hide = "import importlib.util as u, runpy, sys; find = u.find_spec\n"

@@ -140,7 +140,7 @@ def test_an_alarm_is_seen_drawn_and_acknowledged(oven, visit, tmp_path):
     oven.post("/api/monitoring/start", {"source": "recordings", "speed": 1000})
     until = time.monotonic() + 60
     while oven.get("/api/monitoring")["state"] == "running" and time.monotonic() < until:
-        time.sleep(0.02)
+        time.sleep(0.1)
     assert oven.get("/api/health")["alarms"] == 0
     with open_store(store) as kept:
         ended = kept.alarm_log("oven").alarms()

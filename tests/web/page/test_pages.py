@@ -32,10 +32,10 @@ def ota(tmp_path_factory):
     design = tmp_path_factory.mktemp("ota") / "robot.yaml"
     design.write_bytes(OTA.read_bytes())
     with serving(design, seed=3) as served:
-        served.post("/api/monitoring/start", {"source": "synthetic", "speed": 100})
+        served.post("/api/monitoring/start", {"source": "synthetic", "speed": 10})
         until = time.monotonic() + 60
         while served.get("/api/health")["looks"] < 2 and time.monotonic() < until:
-            time.sleep(0.05)
+            time.sleep(0.2)
         yield served
 
 

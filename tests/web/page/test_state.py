@@ -214,6 +214,7 @@ def test_silences_are_those_that_were_heard_and_lines_do_not_cross_a_night(tmp_p
             plot = page.get_by_role("region", name="Sensors in °C")
             until, share = time.monotonic() + 60, None
             while share != pytest.approx(truth, abs=0.02) and time.monotonic() < until:
+                page.wait_for_timeout(100)
                 share = plot.locator("canvas").evaluate(SHADED)
             assert share == pytest.approx(truth, abs=0.02), window
         # the fan was at 35 °C, ten above its reference, when its sensor died: it stays twice as fast as designed
@@ -307,6 +308,7 @@ def test_a_plot_is_taken_along_with_what_it_says(tmp_path, visit):
 
         until, rows = time.monotonic() + 60, []
         while len(rows) <= 600 and time.monotonic() < until:  # the window of ten minutes may still be shown
+            page.wait_for_timeout(100)
             rows = taken("CSV").decode().splitlines()
         assert rows[1].startswith(f"2023-11-14T22:13:20.000Z,{degrees:.5}")
         picture = taken("SVG").decode()

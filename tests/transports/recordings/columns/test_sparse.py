@@ -77,7 +77,7 @@ CASES = [("ZSTD", ".mcap"), ("LZ4", ".mcap"), ("NONE", ".mcap"), ("LZ4", ".bag")
 
 
 @pytest.mark.parametrize(("compression", "suffix"), CASES)
-@pytest.mark.parametrize("place", [0, 2, 9])
+@pytest.mark.parametrize("place", [0, pytest.param(2, marks=pytest.mark.full), 9])
 def test_values_of_large_chunks(
     compression: str, suffix: str, place: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
