@@ -45,6 +45,18 @@ class Plan(smach.State):
         return "told"
 
 
+class MayDo(smach.State):
+    """Asks phm/assess_task whether the robot may do a task; ``ask(legs)`` is as rospy.ServiceProxy calls it."""
+
+    def __init__(self, ask):
+        smach.State.__init__(self, outcomes=["go", "no_go"], input_keys=["legs"], output_keys=["assessment"])
+        self._ask = ask
+
+    def execute(self, userdata):
+        answer = userdata.assessment = self._ask(userdata.legs)
+        return "go" if answer.go and not answer.refused else "no_go"
+
+
 class Legs(smach.State):
     """Drives leg after leg, and remembers how long each took and where it led."""
 

@@ -25,6 +25,9 @@ RANGES = {
 LONGEST_MESSAGE = 64 << 20
 """Bytes of a message, beyond which it is not put together."""
 
+RECEIVED_AT_ONCE = 32 << 20
+"""Bytes of packets that may wait to be read, where the kernel allows as many (net.core.rmem_max)."""
+
 
 @dataclass(frozen=True)
 class Place:
@@ -113,6 +116,8 @@ def _config(reach: str, peers: list[str]) -> str:
         f'<CycloneDDS><Domain id="any"><General>{general}</General>'
         f"<Discovery>{discovery}</Discovery>"
         # without the hash of its key, Fast DDS does not see that a reader or writer of ours is gone
-        f"<Internal><MaxSampleSize>{LONGEST_MESSAGE}B</MaxSampleSize><GenerateKeyhash>true</GenerateKeyhash></Internal>"
+        f"<Internal><MaxSampleSize>{LONGEST_MESSAGE}B</MaxSampleSize><GenerateKeyhash>true</GenerateKeyhash>"
+        # a picture of some megabytes comes at once, and what does not fit is dropped; the kernel gives what it allows
+        f'<SocketReceiveBufferSize min="default" max="{RECEIVED_AT_ONCE}B"/></Internal>'
         "</Domain></CycloneDDS>"
     )

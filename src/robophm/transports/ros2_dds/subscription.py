@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from robophm.core.errors import SourceError
 from robophm.transports.live.decoding import TopicDecoder
+from robophm.transports.live.dropped_packets import DroppedPackets
 from robophm.transports.live.receiving import CLOCK_TOPIC, TICK, TOGETHER, Receiver
 from robophm.transports.ros2_dds.cyclone import AT_ONCE, HISTORY, Offer, Reader
 from robophm.transports.ros2_dds.definition import Definition, known, name_of_dds
@@ -70,6 +71,7 @@ class Subscription(threading.Thread):
         """Words on the first definition of each topic that was not found."""
         self._refused_before = self._graph.refused()
         """Messages that Cyclone has refused."""
+        self._dropped = DroppedPackets()
         self._over = threading.Event()
         self._discovery.look()
         self._match()
@@ -128,8 +130,11 @@ class Subscription(threading.Thread):
 
     def _tick(self) -> None:
         self._hearing.tell()
+        dropped = self._dropped.fresh()
         for ear in self._ears.values():
             topic = ear.reading.topic
+            if dropped and not ear.reliable:  # what is reliable is sent again
+                self._hearing.missing(topic, "packets dropped, some may be lost", dropped)
             if lost := ear.reader.lost():
                 self._hearing.missing(topic, "lost on the way", lost)
             if full := ear.reader.overrun():
