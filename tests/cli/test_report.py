@@ -9,6 +9,7 @@ from importlib.metadata import version
 import pytest
 
 import robophm
+from robophm.report.page import page, section
 
 
 def test_the_same_design_and_past_give_the_same_bytes(inside, design, recording, tmp_path):
@@ -52,6 +53,17 @@ def test_it_says_which_design_and_which_data_it_is_made_of(inside, run, design, 
 
 def hashes(page):
     return re.findall(r"\b[0-9a-f]{64}\b", page.read_text())
+
+
+def test_a_pdf_has_numbers_of_pages_and_its_headings_as_bookmarks():
+    weasyprint = pytest.importorskip("weasyprint", exc_type=Exception, reason="no WeasyPrint, or no Pango")
+    body = [section(title, *[f"line {i}" for i in range(60)]) for title in ("Why", "Curves")]
+    made = weasyprint.HTML(string=page("Health", body)).render()
+    texts = [box.text for one in made.pages for box in one._page_box.descendants() if hasattr(box, "text")]
+    n = len(made.pages)
+    assert n > 1
+    assert [one for one in texts if " / " in one] == [f"{i} / {n}" for i in range(1, n + 1)]
+    assert [mark[1] for one in made.pages for mark in one.bookmarks] == ["Health", "Why", "Curves"]
 
 
 @pytest.mark.full

@@ -1,5 +1,6 @@
 """The page about a robot's health: whole, escaped, without script, the same bytes from the same inputs."""
 
+import math
 import re
 from html.parser import HTMLParser
 
@@ -9,8 +10,10 @@ from robophm.core.signal import HOUR, SECOND
 from robophm.design.file import parse
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay
+from robophm.monitoring.told_past import told_past
 from robophm.report.health_page import health_page
 from robophm.stores.memory import MemoryStore
+from robophm.stores.trend import Trend
 from robophm.transports.synthetic import SyntheticOta
 
 DESIGN = """
@@ -58,8 +61,7 @@ def page():
     day = SyntheticOta(seed=3, start=1_709_553_600 * SECOND, duration=20 * HOUR, period=5 * SECOND)
     store = MemoryStore()
     report = replay(robot, day, store=store)
-    series = store.history(robot.name).figures()
-    return robot, report, series
+    return robot, report, told_past(store.history(robot.name), report)
 
 
 def outline(html):
@@ -80,8 +82,8 @@ def test_it_is_whole_and_harmless(page):
 
 
 def test_it_says_what_the_report_says(page):
-    robot, report, series = page
-    text = outline(health_page(robot, report, series)).text
+    robot, report, past = page
+    text = outline(health_page(robot, report, past)).text
     for part in (
         "Hazard rate now",
         "Reliability",
@@ -103,7 +105,28 @@ def test_it_says_what_the_report_says(page):
         "conservative",
     )
     assert "".join(cells) in bound.replace("\n", "")
-    assert len(series.times) > 20
+    assert len(past.series.times) > 20
+
+
+def test_the_short_form_says_what_is_and_not_what_it_follows_from(page):
+    robot, report, past = page
+    whole, short = (outline(health_page(robot, report, past, short=one)).text for one in (False, True))
+    for title in ("Why", "What will fail it", "What to replace first", "What this report is made of"):
+        assert title in short
+        assert title in whole
+    assert "How it is wired" not in short
+    assert "What has changed" not in short  # a history of less than a day
+    assert len(short) < 0.4 * len(whole)
+
+
+def test_what_has_changed_as_far_as_it_is_known(page):
+    robot, report, past = page
+    day = Trend(1_700_000_000 * SECOND, 0.5, -0.0125, -48.0, math.nan)
+    text = outline(health_page(robot, report, past._replace(day=day), short=True)).text
+    changed = text.split("What has changed")[1].split("What will fail it")[0]
+    for words in ("+50 %", "−1.2 % points", "−2 days", "in a day: since 2023-11-14 22:13:20 UTC"):
+        assert words in changed
+    assert "in a month" not in changed
 
 
 def test_what_is_breached_passed_and_left_out_stands_in_sections_of_its_own():

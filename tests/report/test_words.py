@@ -111,6 +111,15 @@ def test_rate(rate: float, unit: str, text: str) -> None:
     assert rate_text(rate, unit) == text
 
 
+def test_a_rate_as_one_in_so_many_hours() -> None:
+    assert [rate_text(rate, "MTBF") for rate in (5.8e-6, 1.25, 0.0, math.nan)] == [
+        "1 in 172,400 h",
+        "1 in 0.8 h",
+        "0 /h",
+        "–",
+    ]
+
+
 def test_unknown_unit_of_rate() -> None:
     with pytest.raises(UnitError, match="did you mean 'FIT'"):
         rate_text(1e-6, "fits")

@@ -14,6 +14,7 @@ import { MONITORING } from "./parts/Watching";
 import { User } from "./parts/User";
 import { Unreachable } from "./parts/Unreachable";
 import { PAGES } from "./pages";
+import { Notices, useNoticesWanted } from "./lib/notices";
 import { useTitle } from "./lib/title";
 
 /** One page that fails does not take the others with it. */
@@ -91,6 +92,7 @@ export function App(): ReactNode {
   const { times } = useShared(preferences);
   const { outside: changedOutside } = useShared(pulse);
   const design = useDesign();
+  const notices = useNoticesWanted();
   const [palette, setPalette] = useState(false);
   const [help, setHelp] = useState(false);
   const shown = PAGES.find((one) => one.id === page) ?? PAGES[0]!;
@@ -148,6 +150,7 @@ export function App(): ReactNode {
         </Fence>
       </main>
       <Toasts />
+      {notices && <Notices />}
       <OutsideDialog />
       {palette && <Palette close={() => setPalette(false)} pages={PAGES} go={go} />}
       {help && <Help close={() => setHelp(false)} />}

@@ -22,6 +22,7 @@ from robophm.core.signal import split_signal
 from robophm.design.file import example_design, load
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay
+from robophm.monitoring.told_past import told_past
 from robophm.report.curve import sparkline
 from robophm.report.health_page import health_page
 from robophm.report.words import rate_text
@@ -76,7 +77,7 @@ def command(
                 report = replay(robot, source, store=store, on_tick=look)
         else:
             report = replay(robot, source, store=store)
-        series, ledger = store.history(robot.identity).figures(), store.ledger(robot.identity)
+        told, ledger = told_past(store.history(robot.identity), report), store.ledger(robot.identity)
         messages = {info.topic: info.messages for info in source.topics()}
         samples = sum(messages[split_signal(signal)[0]] for signal in robot.signals)
     took = time.monotonic() - begun
@@ -85,12 +86,12 @@ def command(
     )
     print_report(report, "1/h")
     out.print()
-    rates = series.of("hazard_rate.sensor_based")[1].tolist()
+    rates = told.series.of("hazard_rate.sensor_based")[1].tolist()
     out.print(
         f"λ sensor-based over the day  {sparkline(rates, 60)}  {rate_text(min(rates))} … {rate_text(max(rates))}",
         markup=False,
     )
-    write(page, health_page(robot, report, series, ledger))
+    write(page, health_page(robot, report, told, ledger))
     out.print(f"\nReport: {page.resolve()}", markup=False, soft_wrap=True)
     show_page(output / "robophm-demo.yaml", seed)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -20,14 +19,12 @@ from robophm.health.effects import fault_chances
 from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
-from robophm.health.unknown_rates import marks, named, unknown_in_parts
+from robophm.health.unknown_rates import unknown_in_parts
 from robophm.interface.faults import AddedSensors, added_sensors
 from robophm.learning.diagnosis.coverage_matrix import coverage, read_sensors, undetected_modes
 from robophm.learning.diagnosis.fault_isolation import Diagnosis, Sensor, suspects
-from robophm.report.words import more_text, number_text, percent_text
-
-MOST_SUSPECTS = 15
-"""The most suspects that are listed, of those whose rate is known, and of those whose rate is unknown."""
+from robophm.report.suspects import coverage_rows, nothing_failed, suspect_rows, unknown_suspects
+from robophm.report.words import number_text, percent_text
 
 
 @dataclass(frozen=True)
@@ -105,12 +102,7 @@ def _print(
     robot: Robot, sensors: list[Sensor], found: Diagnosis | None, added: AddedSensors | None, wishes: Wishes
 ) -> None:
     out = console()
-    names = [sensor.name for sensor in sensors]
-    matrix = [
-        [mode, *(number_text(sees[n], 3) if n in sees else "" for n in names), "yes" * ("monitored" in sees)]
-        for mode, sees in coverage(robot, sensors).items()
-    ]
-    columns = ["failure mode", *(s.name if s.fitted else f"({s.name})" for s in sensors), "monitored"]
+    columns, matrix = coverage_rows(sensors, coverage(robot, sensors))
     print_table(out, table(f"What sees what in {robot.name}: P(alarm | failure)", columns, matrix,
                            figures=range(1, len(columns))))  # fmt: skip
     if not all(sensor.fitted for sensor in sensors):
@@ -126,33 +118,15 @@ def _print(
 
 def _print_suspects(robot: Robot, found: Diagnosis, wishes: Wishes) -> None:
     """The likeliest, and all that may be it though how likely is not known."""
-    out = console()
-    left_out = unknown_in_parts(robot.all_components())
-    mark = marks(left_out if found.rivals else None)[2]
-    shown = [one for one in found.suspects if math.isnan(one.before)][:MOST_SUSPECTS]
-    unrated = len(shown)
-    shown += [one for one in found.suspects if not math.isnan(one.before)][:MOST_SUSPECTS]
-    rows = [
-        [one.fault,
-         "unknown" if math.isnan(one.probability) else mark + percent_text(one.probability),
-         "unknown" if math.isnan(one.before) else number_text(one.before, 3),
-         "–" if math.isnan(one.odds) else number_text(one.odds, 3)]
-        for one in shown
-    ]  # fmt: skip
-    on = ", ".join(wishes.alarms or ()) or "no alarm"
-    columns = ["", "now", f"before, in {number_text(wishes.hours)} h", "odds, times"]
+    out, alarms = console(), wishes.alarms or ()
+    columns, rows = suspect_rows(robot, found, wishes.hours)
     out.print()
-    title = f"Suspects, {on} being on and all others off"
+    title = f"Suspects, {', '.join(alarms) or 'no alarm'} being on and all others off"
     print_table(out, table(title, columns, rows, figures=(1, 2, 3)))
-    nothing = f"Nothing has failed{', and it is a false alarm' if wishes.alarms else ''}"
-    most = marks(left_out)[1] if found.no_fault else ""
-    out.print(f"{nothing}: {most}{percent_text(found.no_fault)}", markup=False)
+    out.print(nothing_failed(robot, found, alarmed=bool(alarms)), markup=False)
     out.print("odds, times: how many times as large the alarms make the odds that it is there", markup=False)
-    if left_out:
-        says = left_out.aside if found.rivals else f"{left_out.words} may have failed as well: how likely is not known"
-        out.print(f"{says} ({named(robot)})", style="yellow", markup=False, soft_wrap=True)
-        if more := sum(math.isnan(one.before) for one in found.suspects) - unrated:
-            out.print(f"of unknown rate {more_text(more, 'listed')}", style="yellow", markup=False)
+    for words in unknown_suspects(robot, found):
+        out.print(words, style="yellow", markup=False, soft_wrap=True)
 
 
 def _print_choice(added: AddedSensors, wishes: Wishes) -> None:

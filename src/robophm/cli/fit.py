@@ -40,7 +40,7 @@ from robophm.learning.life_data.life_stress import LifeStressFit, fit_life_stres
 from robophm.learning.life_data.limited_failures import fit_limited
 from robophm.learning.life_data.observed_lives import LifeData, read_life_data, written_quantity
 from robophm.learning.life_data.repairable_systems import PowerLaw, power_laws
-from robophm.report.fit_page import figure_text, fit_page, life_stress_page, modes_page, parameters_text, span_text
+from robophm.report.fit_page import fit_page, fit_rows, life_stress_page, modes_page, parameters_text, span_text
 from robophm.report.probability_plot import probability_text
 from robophm.report.words import number_text
 
@@ -241,22 +241,14 @@ def _show(
     data: LifeData, fits: Sequence[Fit], refused: Mapping[str, str], tested: Goodness | None, wishes: Wishes
 ) -> None:
     out = console()
-    unit, corrected = f" [{data.unit}]" if data.unit else "", can_be_corrected(fits)
-    columns = ["", f"parameters{unit}", "10 % by", "half by", "mean", "AICc" if corrected else "AIC", "R²"]
-    rows = [
-        [one.name, parameters_text(one.parameters, one.life, one.known_until),
-         figure_text(one.quantiles[0.1].value, one.known_until), figure_text(one.quantiles[0.5].value, one.known_until),
-         figure_text(one.mean, one.known_until), number_text(one.aic_corrected if corrected else one.aic, 5),
-         number_text(one.straightness, 3)]
-        for one in fits
-    ]  # fmt: skip
+    columns, rows = fit_rows(fits)
     print_table(out, table(f"{data.source}: {data.described()}", columns, rows, figures=range(2, len(columns))))
     best, limit = fits[0], fits[0].known_until
     out.print(
         f"In brackets: {100 * wishes.level:g} % intervals. {columns[5]}: less is better, two apart is little. R² "
         "of the probability plot", markup=False,
     )  # fmt: skip
-    if not corrected and len(fits) > 1:
+    if not can_be_corrected(fits) and len(fits) > 1:
         out.print(
             f"{data.parts} parts are too few to correct AIC for them: ranked without", style="yellow", markup=False
         )

@@ -14,15 +14,15 @@ from robophm.cli.shared.stored_past import kept
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import DataError
 from robophm.design.file import load, read, write
-from robophm.design.robot import CLOCK_UNITS, UNKNOWN, Robot
+from robophm.design.robot import Robot
 from robophm.health.unknown_rates import few
 from robophm.interface.field import rated_alike
-from robophm.learning.rates.evidence import FEWEST_TO_DIFFER, spread_text, with_evidence
+from robophm.learning.rates.evidence import with_evidence
 from robophm.learning.rates.failure_log import Seen, read_failure_log
 from robophm.learning.rates.fleet import StatedRateRatio
 from robophm.learning.rates.rate_update import LearnedRate, UnstatedRate, learn, unstated
 from robophm.monitoring.rate_history import each_once, rate_history
-from robophm.report.words import number_text
+from robophm.report.learned_rates import contradictions, learned_rows, unstated_text
 from robophm.stores import place_of
 
 STORES = (".db", ".sqlite", ".sqlite3")
@@ -87,60 +87,16 @@ def _paths(unrated: Sequence[UnstatedRate]) -> str:
 def _print(robot: Robot, learned: Sequence[LearnedRate], unrated: Sequence[UnstatedRate]) -> None:
     out = console()
     robots = {name for one in learned for name in one.robots}
-    whose = " of the next robot" if len(robots) > 1 else ""
-    if learned and learned[0].of:
-        whose = f" of {learned[0].of}"
-    columns = ["", "failures", "expected", "exposure", "stated rate", "learned rate", f"90 %{whose}", "times"]
-    rows = []
-    for one in learned:
-        unit = CLOCK_UNITS[one.mode.clock]
-        rows.append([
-            one.mode.path + (" *" if one.posterior.conflict else ""),
-            number_text(one.failures), number_text(one.expected, 3), f"{number_text(one.exposure)} {unit}",
-            f"{number_text(one.stated, 3)} /{unit}", f"{number_text(one.rate, 3)} /{unit}",
-            f"{number_text(one.stated * one.low, 3)} … {number_text(one.stated * one.high, 3)}",
-            number_text(one.factor, 3),
-        ])  # fmt: skip
-    for other in unrated:
-        exposure = f"{number_text(other.exposure)} {CLOCK_UNITS[other.mode.clock]}"
-        rows.append([other.mode.path, number_text(other.failures), "–", exposure, UNKNOWN, "–", "–", "–"])
+    columns, rows = learned_rows(learned, unrated)
     fleet = f", {len(robots)} robots" if len(robots) > 1 else ""
     print_table(
         out, table(f"What the field says of {robot.name}{fleet}", columns, rows, figures=range(1, len(columns)))
     )
-    for one in learned:
-        found, unit = one.posterior, CLOCK_UNITS[one.mode.clock]
-        if found.conflict:
-            out.print(
-                f"* {one.mode.path}: {_failures(found.failures)} the stated rate, by which "
-                f"{number_text(found.expected, 3)} were expected (p = {number_text(found.surprise, 2)}); of the "
-                f"{number_text(found.prior, 3)} failures that it counted as {number_text(found.left, 2)} are left",
-                style="yellow", markup=False, soft_wrap=True,
-            )  # fmt: skip
-        if one.fleet.spread and found.failures >= FEWEST_TO_DIFFER:
-            mean = [number_text(one.stated * end, 3) for end in one.fleet.mean[1:]]
-            out.print(
-                f"{one.mode.path}: {spread_text(one.fleet.spread)}; "
-                f"their mean is {mean[0]} … {mean[1]} /{unit} with 90 %" + ("" if one.of else "; --robot says of one"),
-                markup=False, soft_wrap=True,
-            )  # fmt: skip
+    for words in contradictions(learned, "; --robot says of one"):
+        out.print(words, style="yellow" if words.startswith("* ") else None, markup=False, soft_wrap=True)
     for other in unrated:
-        out.print(_unstated_text(other), style="yellow", markup=False, soft_wrap=True)
+        out.print(unstated_text(other), style="yellow", markup=False, soft_wrap=True)
     out.print("expected: failures by the stated rate; times: learned over stated. --to NEW.YAML writes the design.")
-
-
-def _unstated_text(one: UnstatedRate) -> str:
-    unit, (low, high) = CLOCK_UNITS[one.mode.clock], one.interval
-    said = f"{one.mode.path}: its rate is {UNKNOWN}, there is none to learn beside"
-    if not one.exposure > 0:
-        return f"{said}; nor does the field say more, which is of no exposure"
-    if not one.failures:
-        return f"{said}. By the field alone, if it is constant: below {number_text(high, 3)} /{unit} with 95 %"
-    return (
-        f"{said}. By the field alone, if it is constant: {number_text(one.rate, 3)} /{unit}, 90 % between "
-        f"{number_text(low, 3)} and {number_text(high, 3)}; in a design rate: {one.rate:.4g} /{unit} with "
-        f"uncertainty: {{failures: {one.failures:g}}}"
-    )
 
 
 def _unstated_json(one: UnstatedRate) -> dict[str, Any]:
@@ -149,10 +105,6 @@ def _unstated_json(one: UnstatedRate) -> dict[str, Any]:
         "mode": one.mode.path, "clock": one.mode.clock, "failures": one.failures, "exposure": one.exposure,
         "rate": one.rate if any_ else None, "low": low if any_ else None, "high": high if any_ else None,
     }  # fmt: skip
-
-
-def _failures(number: float) -> str:
-    return f"{number_text(number, 3)} failure{'s contradict' if number != 1 else ' contradicts'}"
 
 
 def _json(one: LearnedRate) -> dict[str, Any]:

@@ -19,6 +19,7 @@ from robophm.cli.shared.unused import refuse_unused
 from robophm.design.file import load
 from robophm.monitoring.recording_sessions import sessions_of
 from robophm.monitoring.replay import MOST_JOBS, replay_sessions
+from robophm.monitoring.told_past import told_past
 from robophm.report.health_page import health_page
 from robophm.stores import open_store
 from robophm.stores.memory import MemoryStore
@@ -70,7 +71,7 @@ def command(
         elif done:
             warn(f"{len(done)} of {len(sessions)} recordings are already in {store}; they are not counted again")
         health = replace(replay_sessions(robot, sessions, store=kept, jobs=jobs or 1, on_tick=tick), horizon=ahead)
-        past = (kept.history(robot.identity).figures(), kept.ledger(robot.identity)) if kept and report else ()
+        past = (told_past(kept.history(robot.identity), health), kept.ledger(robot.identity)) if kept and report else ()
     if report:
         write(report, health_page(robot, health, *past))
     if as_json:

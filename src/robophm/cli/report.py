@@ -14,8 +14,10 @@ from robophm.cli.shared.output import console, may_make, warn, write
 from robophm.cli.shared.stored_past import files_of, kept
 from robophm.design.file import load
 from robophm.monitoring.monitor import Monitor
+from robophm.monitoring.told_past import told_past
 from robophm.report.health_page import health_page
 from robophm.report.pdf import Printer
+from robophm.stores import open_store
 
 
 def command(
@@ -26,6 +28,7 @@ def command(
     ] = None,
     horizon: Horizon = None,
     pdf: Annotated[bool, typer.Option("--pdf", help="as a PDF; needs robophm[pdf]")] = False,
+    short: Annotated[bool, typer.Option("--short", help="without what it follows from: a page or two")] = False,
     force: Force = False,
 ) -> None:
     """Write a robot's health on one page that needs nothing else, not even JavaScript."""
@@ -38,15 +41,13 @@ def command(
     for warning in robot.warnings:
         warn(warning)
     ledger = kept(store, robot) if store else None
-    series = None
-    if store:
-        from robophm.stores import open_store
-
-        with open_store(store) as past:
-            series = past.history(robot.identity).figures()
     data = ledger.to_json() if ledger else None
     health = Monitor(robot, ledger).report(horizon=ahead, alarms=True)
-    html = health_page(robot, health, series, data)
+    past = None
+    if store:
+        with open_store(store) as opened:
+            past = told_past(opened.history(robot.identity), health)
+    html = health_page(robot, health, past, data, short=short)
     write(path, printer.pdf(html) if printer else html)
     print_unknown(health.system.unknown, robot)
     console().print(f"Report: {path}", markup=False, soft_wrap=True)

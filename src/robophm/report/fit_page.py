@@ -42,6 +42,20 @@ def parameters_text(
     )
 
 
+def fit_rows(fits: Sequence[Fit]) -> tuple[list[str], list[list[str]]]:
+    """Return the columns of a table of fits to the same data, and its rows, the best first."""
+    corrected = all(math.isfinite(one.aic_corrected) for one in fits)
+    unit = f" [{fits[0].data.unit}]" if fits[0].data.unit else ""
+    rows = [
+        [one.name, parameters_text(one.parameters, one.life, one.known_until),
+         figure_text(one.quantiles[0.1].value, one.known_until), figure_text(one.quantiles[0.5].value, one.known_until),
+         figure_text(one.mean, one.known_until), number_text(one.aic_corrected if corrected else one.aic, 5),
+         number_text(one.straightness, 3)]
+        for one in fits
+    ]  # fmt: skip
+    return ["", f"parameters{unit}", "10 % by", "half by", "mean", "AICc" if corrected else "AIC", "R²"], rows
+
+
 def fit_page(fits: Sequence[Fit], refused: Mapping[str, str]) -> Html:
     """Distributions fitted to the same lives, the best first."""
     return page(f"Life data: {fits[0].data.source}", _sections(fits, refused))

@@ -16,6 +16,7 @@ from robophm.health.report import HealthReport
 from robophm.health.subject import Figures, Subject
 from robophm.health.unknown_rates import marked, marks, named
 from robophm.health.why import explain
+from robophm.monitoring.told_past import ToldPast
 from robophm.report.basis import made_of, sensors
 from robophm.report.curve import Line, curve_svg
 from robophm.report.dependence import dependence
@@ -30,6 +31,7 @@ from robophm.report.outline import Label
 from robophm.report.page import figure, page, section, side_by_side, table_html, tile, tiles
 from robophm.report.past_curves import VIEWS, past_curves
 from robophm.report.style import Tone
+from robophm.report.trends import trends
 from robophm.report.wear import wear_curves, wear_table
 from robophm.report.why import reasons, sentence
 from robophm.report.words import duration_text, number_text, odds_text, percent_text, percent_texts, rate_text
@@ -42,22 +44,32 @@ PAST = ("hazard_rate", "unreliability")
 def health_page(
     robot: Robot,
     report: HealthReport,
-    series: FigureSeries | None = None,
+    past: ToldPast | None = None,
     ledger: Mapping[str, Any] | None = None,
+    *,
+    short: bool = False,
 ) -> Html:
-    """The whole page as HTML. ``series`` are the figures so far, for the curves; ``ledger``, as JSON, is what
-    the report was made of.
+    """The whole page as HTML. ``past``: what a store tells beside it; ``ledger``, as JSON, is what the report was
+    made of; ``short``: what is well or not, why, and what to do, without all that it follows from.
     """
-    return page(f"Health of {report.robot}", _sections(robot, report, series, ledger))
+    found = past.why if past else explain(report)
+    head = (sentence(report, found), _summary(report), _tiles(report))
+    changed = [*trends(past.day, past.month)] if past else []
+    why = section("Why", *reasons(found)), section("What has changed", *changed) if changed else ""
+    act = (
+        section("What will fail it", *contributors(report.failures_to_come, report.components)),
+        section("What to replace first", *replace_first(robot, report.outlooks, report.task)),
+    )
+    made = section("What this report is made of", made_of(robot, ledger, past.series if past else None))
+    whole = () if short else _evidence(robot, report, past.series if past else None, ledger)
+    body = (*head, *why, *act, *whole, made)
+    return page(f"Health of {report.robot}", (one for one in body if one))
 
 
-def _sections(
+def _evidence(
     robot: Robot, report: HealthReport, series: FigureSeries | None, ledger: Mapping[str, Any] | None
 ) -> Iterable[Html | str]:
-    found = explain(report)
-    yield sentence(report, found)
-    yield _summary(report)
-    yield _tiles(report)
+    """Sections on what the health follows from."""
     label = _labels(robot, report)
     levels = [("", robot), *((module.path, module) for module in robot.modules)]
     wiring = (
@@ -73,16 +85,12 @@ def _sections(
         table = wear_table(report.wear, report.outlooks["sensor_based"].plant)
         yield section("What is seen to wear", *table, *drawn)
     yield section("What it takes to fail", *what_it_takes_to_fail(robot, report))
-    yield section("Why", *reasons(found))
-    yield section("What will fail it", *contributors(report.failures_to_come, report.components))
     life = report.system.sensor_based.remaining_life
     yield section("What matters most", *matters(robot, report.outlooks, life.median if life else 0.0))
-    yield section("What to replace first", *replace_first(robot, report.outlooks, report.task))
     whole = "Every sample was taken, and every signal was there."
     told = report.notes or (whole if report.time is not None else "Nothing has been observed yet.",)
     yield section("Sensors and data", *sensors(robot), *told, *doubts_drawn(report.doubts))
     yield section("Assumptions", *_assumptions(robot))
-    yield section("What this report is made of", made_of(robot, ledger, series))
 
 
 def _summary(report: HealthReport) -> str:

@@ -50,7 +50,9 @@ tbody th{font-weight:500}
 tbody tr:nth-child(even){background:var(--shade)}
 .number{text-align:right;white-space:nowrap}
 @media screen and (max-width:700px){.diagram svg{max-width:none}}
-@media print{@page{margin:14mm}main{max-width:none;padding:0}body{font-size:10.5pt}
+@page{margin:14mm;@bottom-right{content:counter(page) " / " counter(pages);font-size:8pt}}
+.tile h3{bookmark-level:none}
+@media print{main{max-width:none;padding:0}body{font-size:10.5pt}
  table{font-size:8.5pt}th,td{padding:3px 6px}thead th{white-space:normal}tbody th{overflow-wrap:anywhere}
  thead{display:table-header-group}
  h2{break-after:avoid}figure,.tile,tr{break-inside:avoid}.scroll{overflow:visible}

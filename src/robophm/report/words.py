@@ -9,7 +9,10 @@ from decimal import Decimal
 from robophm.core.errors import UnitError, nearest
 from robophm.core.signal import SECOND
 
-_RATE_UNITS = {"1/h": (1.0, "/h"), "FIT": (1e9, "FIT"), "FPMH": (1e6, "FPMH")}
+MTBF = "MTBF"
+"""The unit of rates by their reciprocal, the mean time between failures [h] while the rate is as it is."""
+
+_RATE_UNITS = {"1/h": (1.0, "/h"), "FIT": (1e9, "FIT"), "FPMH": (1e6, "FPMH"), MTBF: (1.0, "/h")}
 _SPANS = (
     ("s", 1 / 3600, 60),
     ("min", 1 / 60, 60),
@@ -108,8 +111,10 @@ def probability_text(p: float, failure: float | None = None) -> str:
 def rate_text(rate_per_hour: float, unit: str = "1/h") -> str:
     """A hazard rate in "1/h", "FIT" (per 10⁹ h) or "FPMH" (per 10⁶ h): "5.8e-6 /h", "5,800 FIT".
 
-    Raises ``UnitError`` for any other unit.
+    By "MTBF" it is one in so many hours, "1 in 172,400 h". Raises ``UnitError`` for any other unit.
     """
+    if unit == MTBF and rate_per_hour > 0:
+        return f"1 in {number_text(1 / rate_per_hour)} h"
     if unit not in _RATE_UNITS:
         raise UnitError(f"unknown unit of rate '{unit}'{nearest(unit, _RATE_UNITS)}")
     factor, name = _RATE_UNITS[unit]

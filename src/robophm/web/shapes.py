@@ -11,7 +11,7 @@ Name = Annotated[str, Field(min_length=1, max_length=200)]
 Place = Annotated[list[Annotated[str, Field(max_length=300)]], Field(max_length=100)]
 """Keys from the top of the design file down."""
 
-Unit = Literal["1/h", "FIT", "FPMH"]
+Unit = Literal["1/h", "FIT", "FPMH", "MTBF"]
 
 MOST_VALUES, MOST_LEVELS = 100_000, 50
 """Bounds of a value that is put into the design: millions would keep everybody waiting for minutes."""

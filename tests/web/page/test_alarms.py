@@ -175,3 +175,45 @@ def test_alarms_are_events_of_the_history(oven, visit):
     page.get_by_role("row").filter(has_text="/motor.temperature is silent").get_by_role("button").click()
     page.get_by_role("region", name="The robot as it was").wait_for()
     assert look.wrong == []
+
+
+TOLD = """
+window.told = [];
+const Real = window.Notification;
+window.Notification = class extends Real {
+  constructor(title, options) {
+    super(title, options);
+    window.told.push(title);
+  }
+};
+"""
+"""Notes each notification that the browser is given."""
+
+
+def test_an_alarm_that_begins_is_told_on_the_desktop_where_that_is_wished(visit, tmp_path, monkeypatch):
+    for least in ("QUICK", "FULL", "SHARE"):
+        monkeypatch.setattr(monitoring, least, 0.0)
+    (tmp_path / "robot.yaml").write_text(DESIGN)
+    rows = [f"{BEGIN + t},45,25" for t in range(60)]
+    (tmp_path / "drive.csv").write_text("\n".join(["time,/motor.temperature,/fan.temperature", *rows]) + "\n")
+    with serving(tmp_path / "robot.yaml", recordings=(tmp_path / "drive.csv",)) as served:
+        look = visit(served, permissions=["notifications"])
+        look.page.add_init_script(TOLD)
+        page = look.open("alarms")
+        page.get_by_text("None at present.").wait_for()
+        page.get_by_label("notify on this desktop").check()
+        page.get_by_role("link", name="Design").click()  # whichever page is open
+        served.post("/api/monitoring/start", {"source": "recordings", "speed": 20})
+        while len(said := sorted(page.evaluate("window.told"))) < 2:
+            page.wait_for_timeout(100)
+        assert said[0].startswith("ERROR: hazard rate")
+        assert said[1].startswith("WARN: ")
+        assert "/motor.temperature" in said[1]
+        assert look.serious() == []
+
+
+def test_without_the_permission_nothing_is_told_and_it_is_said(visit, shared_small):
+    page = visit(shared_small).open("alarms")
+    page.get_by_label("notify on this desktop").click()
+    page.get_by_text(re.compile("refuses notifications|not allowed")).wait_for()
+    assert not page.get_by_label("notify on this desktop").is_checked()

@@ -52,7 +52,7 @@ def from_files_to_a_robot_that_is_watched(look, files):
     page.get_by_role("button", name="Take back: sensing/lidar").wait_for()
     page.get_by_label("Another part").fill("sensing/bumper")
     page.get_by_label("What it is").fill("limit switch")
-    page.get_by_role("button", name="Add it").click()
+    page.get_by_role("button", name="Add part").click()
     page.get_by_role("row", name="sensing/bumper").wait_for()
     page.get_by_text("/diagnostics.status[raspberry pi: cpu].values[Temperature].value").wait_for()
     page.get_by_label("And then").select_option("recordings")
@@ -121,9 +121,9 @@ DROP = """(area) => {
 def test_a_dropped_file_is_handed_in_and_taken_away_again(nothing, visit):
     page = visit(nothing).open()
     page.locator(".drop").evaluate(DROP)
-    page.get_by_role("button", name="Take away board.csv").wait_for()
+    page.get_by_role("button", name="Remove board.csv").wait_for()
     page.get_by_role("row", name="electronics/board/R1").wait_for()
-    page.get_by_role("button", name="Take away board.csv").click()
+    page.get_by_role("button", name="Remove board.csv").click()
     page.get_by_text("Nothing is here yet.").wait_for()
 
 
@@ -133,7 +133,7 @@ def test_a_robot_by_words_alone_on_a_phone(nothing, visit):
     page = look.open()
     page.get_by_label("Another part").fill("drive/left motor")
     page.get_by_label("What it is").fill("brushless motor")
-    page.get_by_role("button", name="Add it").click()
+    page.get_by_role("button", name="Add part").click()
     page.get_by_role("row", name="drive/left motor").wait_for()
     page.get_by_role("button", name="Leave out power/converter").click()
     page.get_by_role("button", name="Take back: power/converter none").wait_for()

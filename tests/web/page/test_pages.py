@@ -154,10 +154,10 @@ def test_what_if_of_several_changes(tmp_path, visit):
         row = page.get_by_role("row")
         row.filter(has_text=re.compile("^nominal9e-6 /h")).wait_for()
         row.filter(has_text=re.compile("^nominal, baseline1.8e-5 /h")).wait_for()
-        page.get_by_role("button", name="Leave out: drive/encoder: a rate of 1 FPMH").click()
+        page.get_by_role("button", name="Remove: drive/encoder: a rate of 1 FPMH").click()
         page.get_by_role("button", name="Compare").click()
         row.filter(has_text=re.compile("^nominal1e-5 /h")).wait_for()
-        page.get_by_role("button", name="Make it so").click()
+        page.get_by_role("button", name="Apply").click()
         page.get_by_text("courier.yaml, not saved").wait_for()
         parts = served.get("/api/design")["document"]["modules"]["drive"]["components"]
         assert [parts[one]["rate"] for one in ("motor", "encoder")] == ["4 FPMH", "2 FPMH"]

@@ -78,3 +78,15 @@ def test_a_share_that_is_a_bit_below_one_is_not_called_all(tmp_path, visit):
         row = page.get_by_role("region", name="Importances").get_by_role("row", name="motor")
         row.wait_for()
         assert row.get_by_role("cell").all_text_contents()[-1] == "99.999 %"
+
+
+def test_rates_as_one_in_so_many_hours(shared_small, visit):
+    """Two motors at 8 FPMH and an encoder at 2: one in 55,560 h."""
+    page = visit(shared_small).open("settings")
+    page.get_by_label("Hazard rates in").select_option("MTBF")
+    page.get_by_role("link", name="Overview").click()
+    page.get_by_role("row", name="drive").get_by_text("1 in 55,560 h").first.wait_for()
+    page.get_by_role("link", name="Design").click()
+    page.locator(".box", has_text="drive").get_by_text("1 in 55,560 h").wait_for()
+    page.get_by_role("link", name="Analysis").click()
+    page.get_by_role("region", name="Hazard rate of survivors").get_by_text("λ = f/R [1/h]").first.wait_for()

@@ -147,10 +147,10 @@ def test_saving_does_not_write_over_a_hand_edit(served, visit):
         dialog.get_by_text("courier.yaml was changed outside since it was read").wait_for()
         dialog.get_by_text("+      motor: {quantity: 4, rate: 8 FPMH}").wait_for()
         assert look.serious() == []
-        dialog.get_by_role("button", name="Leave it").click()
+        dialog.get_by_role("button", name="Cancel").click()
         assert courier.design.read_text() == by_hand
         page.keyboard.press("Control+s")
-        dialog.get_by_role("button", name="Save what is here over it").click()
+        dialog.get_by_role("button", name="Overwrite the file").click()
         page.get_by_text("courier.yaml, saved").wait_for()
         assert "horn" in courier.design.read_text()
         assert courier.design.with_name("courier.yaml.bak").read_text() == by_hand
@@ -163,7 +163,7 @@ def test_a_hand_edit_is_taken_and_undone(served, visit):
         page.get_by_text("courier.yaml, not saved").wait_for()
         courier.design.write_text(SMALL.replace("name: courier", "name: express"))
         page.keyboard.press("Control+s")
-        page.get_by_role("button", name="Take the file as it is now").click()
+        page.get_by_role("button", name="Reload the file").click()
         page.get_by_text("courier.yaml, saved").wait_for()
         assert courier.get("/api/design")["name"] == "express"
         page.get_by_role("button", name="Undo").last.click()

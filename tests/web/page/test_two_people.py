@@ -99,7 +99,7 @@ def test_a_file_that_is_edited_by_hand_beside_unsaved_edits_is_told_of(courier, 
     page.get_by_text("courier.yaml was changed by hand").wait_for()
     page.get_by_role("button", name="See what was changed").click()
     page.get_by_text("+name: express").wait_for()
-    page.get_by_role("button", name="Leave it").click()
+    page.get_by_role("button", name="Cancel").click()
     assert quantities(courier) == [3, 1]
 
 

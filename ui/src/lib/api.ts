@@ -82,8 +82,8 @@ async function ask(method: Method, path: string, query: Query, body?: unknown, s
 }
 
 /** What is no JSON: a file as it is. */
-export async function file(path: With<"get">): Promise<Blob> {
-  return (await answer("get", path, {})).blob();
+export async function file(path: With<"get">, query: Query = {}): Promise<Blob> {
+  return (await answer("get", path, query)).blob();
 }
 
 export function get<P extends With<"get">>(path: P, query: Query = {}, signal?: AbortSignal): Promise<Json<Of<P, "get">>> {

@@ -52,10 +52,12 @@ export interface Preferences {
   times: "utc" | "local";
   /** As whom alarms are acknowledged. */
   name: string;
+  /** Whether alarms are told on the desktop. */
+  notices: boolean;
 }
 
 function stored(): Preferences {
-  const plain: Preferences = { unit: "1/h", theme: "auto", times: "utc", name: "" };
+  const plain: Preferences = { unit: "1/h", theme: "auto", times: "utc", name: "", notices: false };
   try {
     return { ...plain, ...(JSON.parse(localStorage.getItem("robophm") ?? "{}") as Partial<Preferences>) };
   } catch {

@@ -1,11 +1,13 @@
 // Numbers as people read them; the same words as the command line and the reports use.
 
-export type RateUnit = "1/h" | "FIT" | "FPMH";
+export type RateUnit = "1/h" | "FIT" | "FPMH" | "MTBF";
 
-export const RATE_UNITS: Record<RateUnit, { factor: number; name: string }> = {
-  "1/h": { factor: 1, name: "/h" },
-  FIT: { factor: 1e9, name: "FIT" },
-  FPMH: { factor: 1e6, name: "FPMH" },
+/** How rates are written; an axis of a plot has the rate itself, also where texts say one in so many hours. */
+export const RATE_UNITS: Record<RateUnit, { factor: number; name: string; axis: string; words: string }> = {
+  "1/h": { factor: 1, name: "/h", axis: "1/h", words: "1/h: per hour" },
+  FIT: { factor: 1e9, name: "FIT", axis: "FIT", words: "FIT: per 10⁹ hours" },
+  FPMH: { factor: 1e6, name: "FPMH", axis: "FPMH", words: "FPMH: per 10⁶ hours" },
+  MTBF: { factor: 1, name: "/h", axis: "1/h", words: "MTBF: one in so many hours" },
 };
 
 type Value = number | null | undefined;
@@ -27,6 +29,7 @@ export function numberText(value: Value | "Infinity", digits = 4): string {
 
 export function rateText(rate: Value, unit: RateUnit): string {
   if (rate == null) return "–";
+  if (unit === "MTBF" && rate > 0) return `1 in ${numberText(1 / rate)} h`;
   const { factor, name } = RATE_UNITS[unit];
   return `${numberText(rate * factor)} ${name}`;
 }

@@ -4,8 +4,9 @@ import { post } from "../lib/api";
 import { useHealth } from "../lib/health";
 import { prefer, preferences, sayError, useShared } from "../lib/store";
 import { visitor } from "../lib/access";
+import { useNoticesWanted, wantNotices } from "../lib/notices";
 import { durationText, momentText } from "../lib/words";
-import { Text } from "../parts/Field";
+import { Check, Text } from "../parts/Field";
 import { Icon, ICONS } from "../parts/Icon";
 import { OnlyFor } from "../parts/OnlyFor";
 
@@ -14,6 +15,7 @@ export const page = { name: "Alarms", icon: ICONS.bell, order: 55 };
 export default function Alarms(): ReactNode {
   const { health } = useHealth();
   const [found, setFound] = useAlarms();
+  const notices = useNoticesWanted();
   const { name: typed } = useShared(preferences);
   const who = useShared(visitor);
   const name = who?.name || typed.trim();
@@ -34,6 +36,8 @@ export default function Alarms(): ReactNode {
       <div className="head">
         <h1>Alarms</h1>
         <span className="quiet small">{found && (`${going.length || "none"} active`)}</span>
+        <span className="grow" />
+        <Check label="notify on this desktop" value={notices} set={(wanted) => void wantNotices(wanted)} />
       </div>
       {health && !health.limits_set && (
         <p>

@@ -6,7 +6,10 @@ import { ICONS } from "../parts/Icon";
 import { Tabs } from "../parts/Tabs";
 import { LevelSelect } from "./parts/LevelSelect";
 import { CurvePlots, type Curves } from "./analysis/CurvePlots";
+import { Compare } from "./analysis/Compare";
 import { CutSets } from "./analysis/CutSets";
+import { FailureModes } from "./analysis/FailureModes";
+import { FieldData } from "./analysis/FieldData";
 import { Importance } from "./analysis/Importance";
 import { WhatIf } from "./analysis/WhatIf";
 
@@ -29,11 +32,14 @@ export default function Analysis(): ReactNode {
         </div>
       ) : (
         <>
-          <Tabs label="Analysis" chosen={tab} choose={setTab} tabs={[["curves", "Curves"], ["importance", "What matters most"], ["cuts", "What it takes to fail"], ["what-if", "What if"]]} />
+          <Tabs label="Analysis" chosen={tab} choose={setTab} tabs={[["curves", "Curves"], ["importance", "What matters most"], ["cuts", "What it takes to fail"], ["what-if", "What if"], ["modes", "Failure modes"], ["field", "Field data"], ["compare", "Compare"]]} />
           {tab === "curves" && <CurvesOf />}
           {tab === "importance" && <Importance />}
           {tab === "cuts" && <CutSets />}
           {tab === "what-if" && <WhatIf />}
+          {tab === "modes" && <FailureModes />}
+          {tab === "field" && <FieldData />}
+          {tab === "compare" && <Compare />}
         </>
       )}
     </>

@@ -150,7 +150,7 @@ function Honesty({ asked }: { asked: string }): ReactNode {
 /** What is plotted: the means of both views, and how far the sensor-based one went where a point is of more than one report. */
 function drawn(past: Past, unit: RateUnit): { title: string; yLabel: string; curves: Curve[] }[] {
   const hours = [
-    ["hazard_rate", "Hazard rate", `λ [${unit}] of operation`, RATE_UNITS[unit].factor],
+    ["hazard_rate", "Hazard rate", `λ [${RATE_UNITS[unit].axis}] of operation`, RATE_UNITS[unit].factor],
     ["unreliability", "Probability of having failed since new", "1 − R", 1],
     ["remaining_life", "Remaining life", "median [h] of calendar time", 1],
     ["task_failure", "Probability of failing the task", "1 − PoTC, given that it works then", 1],

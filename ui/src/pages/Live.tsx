@@ -103,7 +103,7 @@ export default function Live(): ReactNode {
       </div>
       {leftOut && <p className="small">{leftOut.sentence}.</p>}
       <div className="two">
-        <Plot key={`rate ${seconds}`} title="Hazard rate" limits={limit(own("hazard_rate"), (value) => value * RATE_UNITS[unit].factor)} curves={rates} xLabel="time of the samples" yLabel={`λ [${unit}] of operation`} time empty={empty} />
+        <Plot key={`rate ${seconds}`} title="Hazard rate" limits={limit(own("hazard_rate"), (value) => value * RATE_UNITS[unit].factor)} curves={rates} xLabel="time of the samples" yLabel={`λ [${RATE_UNITS[unit].axis}] of operation`} time empty={empty} />
         <Plot key={`survival ${seconds}`} title={log ? "Probability of having failed since new" : "Reliability"} limits={limit(own("reliability"), (value) => (log ? 1 - value : value))} curves={survival} xLabel="time of the samples" yLabel={log ? "1 − R(t)" : "R(t), survival since new"} time log={log} empty={empty} />
         {chance.some((one) => one.x.length) && (
           <Plot key={`task ${seconds}`} title="Probability of completing the task" limits={limit(own("completion"))} curves={chance} xLabel="time of the samples" yLabel="PoTC, given that it works now" time />

@@ -2,7 +2,7 @@ import { type ReactNode, useState } from "react";
 import { file, get, type Shapes, upload } from "../lib/api";
 import { offer } from "../lib/exports";
 import { go, replaceText, sayError, useDesign } from "../lib/store";
-import { FileButton } from "../parts/Field";
+import { Check, FileButton } from "../parts/Field";
 import { ICONS } from "../parts/Icon";
 import { OnlyFor } from "../parts/OnlyFor";
 import { Preview } from "../parts/Table";
@@ -14,11 +14,12 @@ export default function Reports(): ReactNode {
   const [legacy, setLegacy] = useState<{ name: string; found: Shapes["Imported"] } | null>(null);
   const [wrong, setWrong] = useState("");
   const [printing, setPrinting] = useState(false);
+  const [short, setShort] = useState(false);
   if (!design) return null;
   async function print(): Promise<void> {
     setPrinting(true);
     try {
-      offer("health.pdf", "application/pdf", await file("/api/report.pdf"));
+      offer("health.pdf", "application/pdf", await file("/api/report.pdf", { short }));
     } catch (error) {
       sayError(error);
     }
@@ -45,15 +46,16 @@ export default function Reports(): ReactNode {
           <p>One page with diagram, tables, curves, importance, sensors and assumptions. It needs nothing else, not even JavaScript, and prints well.</p>
           {design.valid ? (
             <div className="row">
-              <a className="button primary" href="./api/report" target="_blank" rel="noopener">
+              <a className="button primary" href={`./api/report?short=${short}`} target="_blank" rel="noopener">
                 Open the report
               </a>
-              <a className="button" href="./api/report?download=true" download="health.html">
-                Download it
+              <a className="button" href={`./api/report?download=true&short=${short}`} download="health.html">
+                Download
               </a>
               <button disabled={printing} onClick={() => void print()}>
                 {printing ? "Printing…" : "Download as PDF"}
               </button>
+              <Check label="short" value={short} set={setShort} />
             </div>
           ) : (
             <p className="state warn">The design is not complete: there is nothing to report yet.</p>
@@ -114,7 +116,7 @@ export default function Reports(): ReactNode {
               ))}
               <Preview label="What the file says" columns={legacy.found.columns} rows={legacy.found.rows} />
               <button className="primary" onClick={() => void replaceText(legacy.found.text, `Import ${legacy.name}`).then((done) => done && go("design"))}>
-                Make it the design
+                Use as the design
               </button>
             </>
           )}

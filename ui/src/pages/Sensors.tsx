@@ -90,7 +90,7 @@ export default function Sensors(): ReactNode {
               ))}
             </select>
             <input type="search" aria-label="Find a topic" placeholder="Find a topic or type" value={text} onChange={(event) => setText(event.target.value)} />
-            <button onClick={() => void look(source)}>Look again</button>
+            <button onClick={() => void look(source)}>Refresh</button>
           </div>
           {wrong && (
             <div className="trouble" role="alert">

@@ -35,7 +35,7 @@ export default function Settings(): ReactNode {
       <div className="two">
         <section className="card">
           <h2>This browser</h2>
-          <Select label="Hazard rates in" value={shown.unit} set={(unit) => prefer({ unit: unit as RateUnit })} options={Object.keys(RATE_UNITS).map((unit): [string, string] => [unit, { "1/h": "1/h: per hour", FIT: "FIT: per 10⁹ hours", FPMH: "FPMH: per 10⁶ hours" }[unit] ?? unit])} />
+          <Select label="Hazard rates in" value={shown.unit} set={(unit) => prefer({ unit: unit as RateUnit })} options={Object.entries(RATE_UNITS).map(([unit, { words }]): [string, string] => [unit, words])} />
           <Select label="Colours" value={shown.theme} set={(theme) => prefer({ theme: theme as "auto" | "light" | "dark" })} options={[["auto", "as the system has them"], ["light", "light"], ["dark", "dark"]]} />
           <Select label="Dates and times" value={shown.times} set={(times) => prefer({ times: times as "utc" | "local" })} options={[["utc", "UTC, as recordings and reports have them"], ["local", "local time of this browser"]]} />
         </section>

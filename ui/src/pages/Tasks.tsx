@@ -82,7 +82,7 @@ export default function Tasks(): ReactNode {
           <NewTask functions={Object.keys((design.document.functions as object | undefined) ?? {})} add={add}>
             <FileButton label="Tasks from a file…" accept=".yaml,.yml,.csv" take={(file) => void read(file)} />
             <button type="button" onClick={() => setList([])} disabled={!list.length}>
-              Empty the list
+              Clear the list
             </button>
           </NewTask>
           <ol>

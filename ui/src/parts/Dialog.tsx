@@ -40,7 +40,7 @@ export function Asking({ title, close, verb, wrong, done, children }: { title: s
             {verb}
           </button>
           <button type="button" onClick={close}>
-            Leave it
+            Cancel
           </button>
         </div>
       </form>

@@ -24,12 +24,12 @@ export function OutsideDialog(): ReactNode {
       </pre>
       <div className="row">
         <button className="primary" onClick={then(take)} title="What is here comes back by Undo">
-          Take the file as it is now
+          Reload the file
         </button>
         <button onClick={then(() => save(found.digest))} title={`What the file holds is kept as ${design?.file}.bak`}>
-          Save what is here over it
+          Overwrite the file
         </button>
-        <button onClick={close}>Leave it</button>
+        <button onClick={close}>Cancel</button>
       </div>
       <p className="small quiet">
         Nothing is lost either way: what is here comes back by Undo, what the file holds is kept beside it as {design?.file}.bak.

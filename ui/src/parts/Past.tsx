@@ -92,7 +92,7 @@ function PastDialog({ found, close }: { found: Shapes["PastOfDesign"]; close: ()
                   Answer
                 </button>
               </OnlyFor>
-              <button onClick={close}>Leave it</button>
+              <button onClick={close}>Cancel</button>
             </div>
           )}
         </>

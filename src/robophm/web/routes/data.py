@@ -15,6 +15,7 @@ from robophm.core.errors import DesignError, nearest
 from robophm.drafting.received import file_name
 from robophm.health.reporting import health_report
 from robophm.monitoring.seen_wear import seen_wear, with_alarms
+from robophm.monitoring.told_past import told_past
 from robophm.report.health_page import health_page
 from robophm.report.pdf import Printer
 from robophm.report.words import rate_text
@@ -161,35 +162,36 @@ def import_2020(body: Upload, name: FileName = "phm_configurations.yaml") -> Imp
 
 
 @router.get("/api/report", response_class=HTMLResponse, responses=REFUSED)
-def get_report(service: Served, download: bool = False) -> HTMLResponse:
-    """The robot's health on one page that needs nothing else."""
+def get_report(service: Served, download: bool = False, short: bool = False) -> HTMLResponse:
+    """The robot's health on one page that needs nothing else; ``short``: without what it follows from."""
     headers = {"content-security-policy": REPORT_POLICY}
     if download:
         headers["content-disposition"] = 'attachment; filename="health.html"'
-    return HTMLResponse(_report(service), headers=headers)
+    return HTMLResponse(_report(service, short=short), headers=headers)
 
 
 @router.get("/api/report.pdf", response_class=PdfResponse, responses=REFUSED)
-def get_report_as_pdf(service: Served) -> PdfResponse:
+def get_report_as_pdf(service: Served, short: bool = False) -> PdfResponse:
     """The report as PDF; refused where the package that makes a PDF is not installed."""
     printer = Printer()
     with _PRINTING:
         return PdfResponse(
-            printer.pdf(_report(service)), headers={"content-disposition": 'attachment; filename="health.pdf"'}
+            printer.pdf(_report(service, short=short)),
+            headers={"content-disposition": 'attachment; filename="health.pdf"'},
         )
 
 
-def _report(service: Service) -> str:
+def _report(service: Service, *, short: bool) -> str:
     prepared = service.prepared()
     exposure, ledger = service.past(prepared)
     settled = exposure.settled(ledger)
     wear = with_alarms(prepared.robot, settled, seen_wear(prepared.robot, settled))
     report = health_report(prepared.plant, exposure, settled, task=prepared.robot.task, wear=wear)
-    series = None
+    past = None
     if (store := service.settings.store) and store_exists(store):
         with open_store(store) as kept:
-            series = kept.history(prepared.robot.identity).figures()
-    return health_page(prepared.robot, report, series, ledger.to_json())
+            past = told_past(kept.history(prepared.robot.identity), report)
+    return health_page(prepared.robot, report, past, ledger.to_json(), short=short)
 
 
 @router.get("/api/grafana")

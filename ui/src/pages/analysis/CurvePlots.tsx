@@ -61,8 +61,8 @@ export function CurvePlots({ found, other, otherName, log }: { found: Curves; ot
       </div>
       <div className="two">
         <Plot title={log ? "Probability of having failed" : "Reliability"} curves={survival} xLabel="hours of operation from now" yLabel={log ? "1 − R" : "R, survival since new"} log={log} />
-        <Plot title="Hazard rate of survivors" curves={hazard} xLabel="hours of operation from now" yLabel={`λ = f/R [${unit}]`} />
-        <Plot title="Failure density" curves={density} xLabel="hours of operation from now" yLabel={`f [${unit}]`} />
+        <Plot title="Hazard rate of survivors" curves={hazard} xLabel="hours of operation from now" yLabel={`λ = f/R [${RATE_UNITS[unit].axis}]`} />
+        <Plot title="Failure density" curves={density} xLabel="hours of operation from now" yLabel={`f [${RATE_UNITS[unit].axis}]`} />
       </div>
     </div>
   );

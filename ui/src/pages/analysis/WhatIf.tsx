@@ -74,8 +74,8 @@ export function WhatIf(): ReactNode {
             {also.map((one, i) => (
               <li key={i}>
                 {one.words}{" "}
-                <button type="button" className="plain" aria-label={`Leave out: ${one.words}`} onClick={() => setAlso(also.filter((_, other) => other !== i))}>
-                  leave out
+                <button type="button" className="plain" aria-label={`Remove: ${one.words}`} onClick={() => setAlso(also.filter((_, other) => other !== i))}>
+                  Remove
                 </button>
               </li>
             ))}
@@ -90,7 +90,7 @@ export function WhatIf(): ReactNode {
           </button>
           <OnlyFor role="editor">
             <button type="button" disabled={!found} onClick={() => void edit(operations(), `What if: ${words.join(", ")}`).then(() => { setFound(null); setAlso([]); setPath(""); setValue(""); })}>
-              Make it so
+              Apply
             </button>
           </OnlyFor>
         </div>

@@ -91,8 +91,8 @@ export function Files(): ReactNode {
             {one.kind === "parts list" && (
               <Entry label={`Module that ${one.name} is of`} hint="names with / between them, e.g. drive/board" value={modules[one.name] ?? `electronics/${one.name.replace(/\.[^.]*$/, "")}`} set={(module) => change({ modules: { ...modules, [one.name]: module } })} />
             )}
-            <button aria-label={`Take away ${one.name}`} onClick={() => void takeAway(one.name)}>
-              Take away
+            <button aria-label={`Remove ${one.name}`} onClick={() => void takeAway(one.name)}>
+              Remove
             </button>
           </li>
         ))}

@@ -13,7 +13,7 @@ const GRADES: Record<string, string> = { A: "a figure of a maker", B: "a handboo
 function rate(one: Part, unit: RateUnit): string {
   const { factor } = RATE_UNITS[unit];
   const stated = one.rate == null ? "unknown" : rateText(one.rate, unit);
-  return one.low == null || one.high == null ? stated : `${stated} (${numberText(one.low * factor, 2)} … ${numberText(one.high * factor, 2)})`;
+  return one.low == null || one.high == null ? stated : `${stated} (${numberText(one.low * factor, 2)} … ${numberText(one.high * factor, 2)}${unit === "MTBF" ? " /h" : ""})`;
 }
 
 const topics = (signals: string[]): string => [...new Set(signals.map((one) => one.split(".")[0]))].join(", ") || "–";
@@ -41,7 +41,7 @@ export function Proposed({ parts }: { parts: Part[] }): ReactNode {
           </option>
         ))}
       </datalist>
-      <Table label="Parts of the draft" className="scroll stacked" columns={["Part", "Taken for", [`λ, 5 … 95 % [${unit}]`, "number"], "Grade", "Why it is there", "Answers to", "Listens to", ["Leave out", "spoken"]]}>
+      <Table label="Parts of the draft" className="scroll stacked" columns={["Part", "Taken for", [`λ, 5 … 95 % [${RATE_UNITS[unit].axis}]`, "number"], "Grade", "Why it is there", "Answers to", "Listens to", ["Leave out", "spoken"]]}>
         {parts.map((one) => (
           <tr key={one.path}>
             <th scope="row">
@@ -84,7 +84,7 @@ export function Proposed({ parts }: { parts: Part[] }): ReactNode {
         <Text label="What it is" list="entries" placeholder="words, or an entry" value={words} set={setWords} />
         <div className="row">
           <button type="submit" disabled={!name.trim() || !words.trim()}>
-            Add it
+            Add part
           </button>
         </div>
       </form>

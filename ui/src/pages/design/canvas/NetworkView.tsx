@@ -210,7 +210,7 @@ export function NetworkView({ level, place, network, chosen, choose }: Props): R
               <li key={name}>
                 <span>{name}</span>
                 <button aria-label={`Take ${name} out of the network`} onClick={() => put(withoutNode(network, name), `Took ${name} out of the network`)}>
-                  Take out
+                  Remove
                 </button>
               </li>
             ))}
