@@ -23,8 +23,8 @@ GENERATED: dict[str, Callable[[], str]] = {
 UNSEARCHED = ("docs/adr/", "docs/status.md", "docs/benchmarks.md", "docs/calibration.md", "docs/fresh-machines.md")
 """Pages that the search leaves out: they are long and for those who work on the project, and each reader loads all."""
 
-SCRIPTS = ("accessible.js", "search_when_asked.js")
-"""Scripts of the site: each says in its first line what the theme leaves out."""
+ADDED = ("accessible.js", "contrast.css", "search_when_asked.js")
+"""Files of ours beside the theme: each says in its first line what the theme leaves out."""
 
 _LINK = re.compile(r"\]\(([^)#:\s]+)(?:#[^)]*)?\)")
 _PICTURE = re.compile(r"(!\[[^]]*\]\([^)\s]+\))(?!\{)")
@@ -54,8 +54,8 @@ def lay_out(folder: Path) -> None:
             target = folder / source.relative_to(ROOT)
             target.parent.mkdir(parents=True, exist_ok=True)
             _copy(source, target)
-    for script in SCRIPTS:
-        shutil.copyfile(Path(__file__).with_name(script), folder / script)
+    for name in ADDED:
+        shutil.copyfile(Path(__file__).with_name(name), folder / name)
     for name, make in GENERATED.items():
         (folder / name).write_text(make(), "utf-8")
     with (folder / "docs/adr/README.md").open("a", encoding="utf-8") as index:
