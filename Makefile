@@ -3,6 +3,7 @@
 PYTHON ?= $(shell sh tools/find-python)
 BIN := .venv/bin
 CHECKED := src tests benchmarks tools
+SPELT := *.md changelog.d docs examples src ui/src benchmarks tools ros
 # The tests start hundreds of commands: each would be compiled anew.
 unexport PYTHONDONTWRITEBYTECODE
 
@@ -45,6 +46,7 @@ lint: setup
 	$(BIN)/ruff check $(CHECKED)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/codespell $(SPELT)
 
 check: lint
 	@$(BIN)/python tools/touched_tests.py $(if $(SECONDS),--seconds $(SECONDS))

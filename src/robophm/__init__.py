@@ -1,4 +1,4 @@
-"""The honest health of a robot: from its design and its sensors, nominal and as lived.
+"""The honest health of a robot: from its design and its sensors, nominal and sensor-based.
 
 >>> import robophm
 >>> robot = robophm.load("robot.yaml")                                  # doctest: +SKIP

@@ -23,10 +23,11 @@ GENERATED: dict[str, Callable[[], str]] = {
 UNSEARCHED = ("docs/adr/", "docs/status.md", "docs/benchmarks.md", "docs/calibration.md", "docs/fresh-machines.md")
 """Pages that the search leaves out: they are long and for those who work on the project, and each reader loads all."""
 
-SCRIPT = "accessible.js"
-"""What makes the theme's own elements reachable by keyboard and names them for screen readers."""
+ADDED = ("accessible.js", "contrast.css", "search_when_asked.js")
+"""Files of ours beside the theme: each says in its first line what the theme leaves out."""
 
 _LINK = re.compile(r"\]\(([^)#:\s]+)(?:#[^)]*)?\)")
+_PICTURE = re.compile(r"(!\[[^]]*\]\([^)\s]+\))(?!\{)")
 
 
 def navigated() -> list[str]:
@@ -53,7 +54,8 @@ def lay_out(folder: Path) -> None:
             target = folder / source.relative_to(ROOT)
             target.parent.mkdir(parents=True, exist_ok=True)
             _copy(source, target)
-    shutil.copyfile(Path(__file__).with_name(SCRIPT), folder / SCRIPT)
+    for name in ADDED:
+        shutil.copyfile(Path(__file__).with_name(name), folder / name)
     for name, make in GENERATED.items():
         (folder / name).write_text(make(), "utf-8")
     with (folder / "docs/adr/README.md").open("a", encoding="utf-8") as index:
@@ -61,10 +63,14 @@ def lay_out(folder: Path) -> None:
 
 
 def _copy(source: Path, target: Path) -> None:
-    if source.relative_to(ROOT).as_posix().startswith(UNSEARCHED) and source.suffix == ".md":
-        target.write_text("---\nsearch:\n  exclude: true\n---\n\n" + source.read_text("utf-8"), "utf-8")
-    else:
+    """Copy a file; a page's pictures are fetched only when one comes near to them."""
+    if source.suffix != ".md":
         shutil.copyfile(source, target)
+        return
+    head = "---\nsearch:\n  exclude: true\n---\n\n"
+    unsearched = source.relative_to(ROOT).as_posix().startswith(UNSEARCHED)
+    text = _PICTURE.sub(r"\1{ loading=lazy }", source.read_text("utf-8"))
+    target.write_text((head if unsearched else "") + text, "utf-8")
 
 
 def title(page: Path) -> str:

@@ -21,14 +21,14 @@ MOST_SHOWN = 50
 
 def command(
     design: Design,
-    store: Annotated[str, typer.Option("--store", help="the robot's past, as kept by watch or serve",
+    store: Annotated[str, typer.Option("--store", help="store with the robot's past, written by watch or serve",
                                        callback=stated_store)],
-    most: Annotated[int, typer.Option(min=1, max=10_000, help="alarms to list, the latest first")] = MOST_SHOWN,
-    acknowledge: Annotated[int | None, typer.Option(metavar="NUMBER", help="take note of this alarm")] = None,
-    by: Annotated[str | None, typer.Option(help="who takes note of it")] = None,
+    most: Annotated[int, typer.Option(min=1, max=10_000, help="number of alarms, the newest first")] = MOST_SHOWN,
+    acknowledge: Annotated[int | None, typer.Option(metavar="NUMBER", help="acknowledge this alarm")] = None,
+    by: Annotated[str | None, typer.Option(help="who acknowledges it")] = None,
     as_json: Json = False,
 ) -> None:  # fmt: skip
-    """The alarms of a robot: which go on, since when and why, and who has taken note of them."""
+    """List a robot's alarms: which are on, since when, why, and who acknowledged them."""
     if (acknowledge is None) != (by is None):
         raise RobophmError("--acknowledge and --by: expected both, the number of an alarm and a name")
     robot = load(design)

@@ -20,16 +20,22 @@ from robophm.report.words import number_text, percent_text
 def command(
     design: Design,
     offers: Annotated[
-        Path, typer.Argument(help="a table: part, cost of one more, most that may be added", metavar="OFFERS.CSV")
+        Path, typer.Argument(help="a table: part, cost of one more, largest number to add", metavar="OFFERS.CSV")
     ],
-    budget: Annotated[float | None, typer.Option(help="in the unit of the costs: money, mass, power", min=0)] = None,
-    reliability: Annotated[str | None, typer.Option(help="in place of it: what is wanted, e.g. '99.9 %'")] = None,
-    at: Annotated[float, time_option("--at", "of operation, when new: until when it is to work", above=True)] = 1000.0,
-    function: Annotated[str | None, typer.Option(help="of the robot; default the whole robot")] = None,
-    limit: Annotated[float, typer.Option(help="seconds after which the best found will do", min=0.1)] = 30.0,
+    budget: Annotated[
+        float | None, typer.Option(help="budget, in the unit of the costs: money, mass, power", min=0)
+    ] = None,
+    reliability: Annotated[
+        str | None, typer.Option(help="wanted reliability, in place of a budget, e.g. '99.9 %'")
+    ] = None,
+    at: Annotated[
+        float, time_option("--at", "time of operation, from new, until which it must work", above=True)
+    ] = 1000.0,
+    function: Annotated[str | None, typer.Option(help="function of the robot; default: the whole robot")] = None,
+    limit: Annotated[float, typer.Option(help="seconds after which the best found so far is given", min=0.1)] = 30.0,
     as_json: Json = False,
 ) -> None:
-    """Which parts a robot should have more of, for a budget or for a wanted reliability."""
+    """Choose redundant parts for a budget, or for a wanted reliability."""
     robot = load(design)
     wanted = None if reliability is None else share_of("--reliability", reliability)
     found = allocation(

@@ -15,8 +15,8 @@ from robophm.report.words import moment_text
 
 
 def command(
-    design: Annotated[Path, typer.Argument(help="the robot's design file, beside which the log is kept")],
-    most: Annotated[int, typer.Option("--last", min=1, help="the latest so many")] = 50,
+    design: Annotated[Path, typer.Argument(help="the robot's design file; the log is kept beside it")],
+    most: Annotated[int, typer.Option("--last", min=1, help="number of newest entries")] = 50,
     as_json: Json = False,
 ) -> None:
     """Who changed what in a robot's design, and what else was done on its page."""

@@ -32,15 +32,15 @@ WORTH_SAYING = 1e-3
 def command(
     design: Design,
     store: Store = None,
-    within: Annotated[float, time_option("--within", "of calendar time from now on", above=True)] = 8760.0,
-    function: Annotated[str | None, typer.Option(help="of the robot; default the whole robot")] = None,
+    within: Annotated[float, time_option("--within", "calendar time considered, from now on", above=True)] = 8760.0,
+    function: Annotated[str | None, typer.Option(help="function of the robot; default: the whole robot")] = None,
     failed: Failed = None,
     working: Working = None,
     future: Future = "recent",
-    most: Annotated[int, typer.Option(help="parts to list", min=1, max=100_000)] = 20,
+    most: Annotated[int, typer.Option(help="number of parts to list", min=1, max=100_000)] = 20,
     as_json: Json = False,
 ) -> None:
-    """How often a robot that is repaired fails, and for which share of the time it is down."""
+    """How often a repaired robot fails, and for which share of the time it is down."""
     robot = load(design)
     knowledge = with_knowledge(Plan(()), robot, failed or (), working or ()).knowledge
     monitor = Monitor(robot, kept(store, robot) if store else None)

@@ -24,13 +24,13 @@ SHOWN = 5
 
 def command(
     design: Design,
-    bags: Annotated[list[Path], typer.Argument(help="recordings, or folders of them", metavar="BAGS")],
-    urdf: Annotated[Path | None, typer.Option(help="the robot's description: limits say what counts as a load")] = None,
-    accept: Annotated[list[str] | None, typer.Option(help="PART: INPUT, as listed; several")] = None,
-    yes: Annotated[bool, typer.Option("--yes", help="accept all")] = False,
+    bags: Annotated[list[Path], typer.Argument(help="recordings, or folders of recordings", metavar="BAGS")],
+    urdf: Annotated[Path | None, typer.Option(help="URDF of the robot: its limits turn an effort into a load")] = None,
+    accept: Annotated[list[str] | None, typer.Option(help="'PART: INPUT', as listed; may be repeated")] = None,
+    yes: Annotated[bool, typer.Option("--yes", help="accept all proposals")] = False,
     as_json: Json = False,
 ) -> None:
-    """Propose bindings for the inputs of a design by what recordings have, and write those that are accepted."""
+    """Propose recorded signals for the inputs of a design, and write those that you accept."""
     may_write(design, *bags)
     robot = load(design)
     seen = look(bags)

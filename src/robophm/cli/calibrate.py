@@ -75,22 +75,23 @@ def command(
     predictions: Annotated[
         Path,
         typer.Argument(
-            help="what was predicted and what happened, a fleet's folder, or a robot's design with --store",
+            help="a table of predictions and outcomes, a fleet's folder, or a robot's design with --store",
             metavar="PREDICTIONS.CSV|FLEET|ROBOT.YAML",
         ),
     ],
     store: Annotated[
         str | None,
-        typer.Option(help="of a robot: its past, as kept by replay or watch", callback=stated_store),
+        typer.Option(help="of a robot: store with its past, written by replay or watch", callback=stated_store),
     ] = None,
-    report: Annotated[Path | None, typer.Option(help="write a page about it, HTML")] = None,
+    report: Annotated[Path | None, typer.Option(help="write an HTML page about it")] = None,
     controls: Annotated[
-        bool, typer.Option("--controls", help="of a fleet: also models that are wrong, which must be found out")
+        bool,
+        typer.Option("--controls", help="of a fleet: also score models that are wrong, to see that they are detected"),
     ] = False,
-    jobs: Annotated[int, typer.Option(help="of a fleet: processes that share the work", min=1, max=256)] = 1,
+    jobs: Annotated[int, typer.Option(help="of a fleet: number of processes", min=1, max=256)] = 1,
     as_json: Json = False,
 ) -> None:
-    """Say whether predictions were honest."""
+    """Compare predictions with what happened, and say whether they were honest."""
     if store is not None:
         refuse_unused("a robot's past", ("predictions", "store"))
         _of_past(predictions, store, as_json=as_json)

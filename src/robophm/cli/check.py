@@ -13,7 +13,7 @@ from robophm.report.surroundings import environments, environments_in_words, qua
 
 
 def command(design: Design, as_json: Json = False) -> None:
-    """Say whether a design is valid, and what in it is odd."""
+    """Check a design for errors, and warn of odd values."""
     robot = load(design)
     if not as_json:
         for warning in robot.warnings:

@@ -24,17 +24,20 @@ from robophm.report.words import probability_text
 
 def command(
     design: Design,
-    function: Annotated[str | None, typer.Option(help="of the robot; default the whole robot")] = None,
+    function: Annotated[str | None, typer.Option(help="function of the robot; default: the whole robot")] = None,
     order: Order = None,
     paths: Annotated[
-        bool, typer.Option("--paths", help="what is enough to work, in place of what is enough to fail")
+        bool,
+        typer.Option("--paths", help="minimal path sets, enough to work, in place of minimal cut sets, enough to fail"),
     ] = False,
-    at: Annotated[float, time_option("--at", "of operation, when new: at which to state probabilities")] = 1000.0,
+    at: Annotated[
+        float, time_option("--at", "time of operation, from new, at which probabilities are stated")
+    ] = 1000.0,
     most: MostSets = 20,
     limit: Limit = 60.0,
     as_json: Json = False,
 ) -> None:
-    """The smallest sets of parts whose failure fails a robot, the likeliest first."""
+    """Minimal cut sets: the smallest sets of parts whose failure fails a robot, the likeliest first."""
     system = of_robot(load(design), function, at)
     if paths:
         refuse_unused("path sets, of which all are found", ("design", "function", "order", "paths", "at", "most"))

@@ -41,7 +41,7 @@ def command(
     output: Annotated[Path, typer.Option("--to", help="folder for the recording, the store and the report")] = Path(
         "robophm-demo"
     ),
-    seed: Annotated[int, typer.Option(help="of the synthetic robot")] = 1,
+    seed: Annotated[int, typer.Option(help="random seed of the synthetic robot")] = 1,
 ) -> None:
     """Watch a synthetic robot work for a day."""
     out = console()
@@ -81,9 +81,7 @@ def command(
         messages = {info.topic: info.messages for info in source.topics()}
         samples = sum(messages[split_signal(signal)[0]] for signal in robot.signals)
     took = time.monotonic() - begun
-    out.print(
-        f"Replayed {samples:,} samples in {took:.1f} s, {hours * 3600 / took:,.0f} times as fast as they were lived.\n"
-    )
+    out.print(f"Replayed {samples:,} samples in {took:.1f} s, {hours * 3600 / took:,.0f} times as fast as real time.\n")
     print_report(report, "1/h")
     out.print()
     rates = told.series.of("hazard_rate.sensor_based")[1].tolist()

@@ -17,22 +17,33 @@ from robophm.report.words import number_text, percent_text
 
 
 def command(
-    reliability: Annotated[str | None, typer.Option(help="to be demonstrated, e.g. 0.95 or '95 %'; with --at")] = None,
-    at: Annotated[float | None, time_option("--at", "until when it is to hold, e.g. '1000 h'", above=True)] = None,
-    mtbf: Annotated[
-        float | None, time_option("--mtbf", "in place of both: a mean life at a constant rate, '5000 h'", above=True)
+    reliability: Annotated[
+        str | None, typer.Option(help="reliability to demonstrate, e.g. 0.95 or '95 %'; with --at")
     ] = None,
-    confidence: Annotated[str, typer.Option(help="with which a test that is passed says so")] = "90 %",
-    allowed: Annotated[int, typer.Option(help="failures with which the test is passed still", min=0, max=10_000)] = 0,
-    shape: Annotated[float, typer.Option(help="of the Weibull life; 1: a constant rate, 2 to 4: wear")] = 1.0,
-    units: Annotated[int | None, typer.Option(help="to be tested; default: as few as will do", min=1)] = None,
+    at: Annotated[float | None, time_option("--at", "time at which it must hold, e.g. '1000 h'", above=True)] = None,
+    mtbf: Annotated[
+        float | None,
+        time_option("--mtbf", "MTBF to demonstrate at a constant rate, e.g. '5000 h', in place of both", above=True),
+    ] = None,
+    confidence: Annotated[str, typer.Option(help="confidence that a passed test gives")] = "90 %",
+    allowed: Annotated[
+        int, typer.Option(help="number of failures with which the test is still passed", min=0, max=10_000)
+    ] = 0,
+    shape: Annotated[float, typer.Option(help="shape β of the Weibull life; 1: constant rate, 2 to 4: wear")] = 1.0,
+    units: Annotated[
+        int | None, typer.Option(help="number of units to test; default: as few as possible", min=1)
+    ] = None,
     duration: Annotated[
         float | None,
-        time_option("--duration", "of the test of each; default: as --at, or as short as --units allow", above=True),
+        time_option(
+            "--duration",
+            "duration of the test of each unit; default: as --at, or as short as --units allow",
+            above=True,
+        ),
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """How many to test, for how long, so that few failures demonstrate a reliability."""
+    """Plan a test that demonstrates a reliability: units, duration and allowed failures."""
     wanted = _wanted(reliability, at, mtbf, share_of("--confidence", confidence), allowed, shape)
     plan = demonstration(wanted, units, duration)
     if as_json:

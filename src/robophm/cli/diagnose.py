@@ -46,18 +46,20 @@ def command(
     sensors: Annotated[
         Path, typer.Argument(help="a table: sensor, part, detects, false alarm, price, fitted", metavar="SENSORS.CSV")
     ],
-    alarm: Annotated[list[str] | None, typer.Option(metavar="SENSOR", help="is on; the others are off")] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", help="none is on: what may have failed all the same")] = False,
-    add: Annotated[int, typer.Option(help="how many sensors to add, of those with fitted: no", min=0, max=16)] = 0,
+    alarm: Annotated[
+        list[str] | None, typer.Option(metavar="SENSOR", help="a sensor whose alarm is on; the others are off")
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="no alarm is on: what may have failed undetected")] = False,
+    add: Annotated[int, typer.Option(help="number of sensors to add, of those with fitted: no", min=0, max=16)] = 0,
     hours: Annotated[
-        float, time_option("--within", "of operation, in which a fault came, or the robot must work")
+        float, time_option("--within", "time of operation in which the fault came, or for which the robot must work")
     ] = 100.0,
-    after: Annotated[float | None, time_option("--at", "of operation, for which a new robot has worked")] = None,
+    after: Annotated[float | None, time_option("--at", "time of operation that a new robot has worked")] = None,
     store: Store = None,
-    function: Annotated[str | None, typer.Option(help="that must work; default the whole robot")] = None,
+    function: Annotated[str | None, typer.Option(help="function that must work; default: the whole robot")] = None,
     as_json: Json = False,
 ) -> None:
-    """What sees which failure, which it is given the alarms, and which sensor would tell most."""
+    """Which sensor detects which failure, what has failed given the alarms, and which sensor to add."""
     alarms = tuple(alarm) if alarm else () if quiet else None
     run(design, sensors, Wishes(alarms, add, hours, after, store, function, as_json))
 

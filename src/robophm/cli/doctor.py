@@ -41,7 +41,7 @@ EXTRAS = {
 
 
 def command(as_json: Json = False) -> None:
-    """Say what is installed here and whether it works."""
+    """Report what is installed here and whether it works."""
     versions = {"python": platform.python_version(), "platform": f"{platform.system()} {platform.machine()}"}
     for name in NEEDED:
         try:

@@ -52,29 +52,32 @@ def command(
     sources: Annotated[
         list[Path],
         typer.Argument(
-            help="an Open-PSA model, of one file or more, a Galileo tree, or a robot's design",
+            help="an Open-PSA model of one file or more, a Galileo tree, or a robot's design",
             metavar="MODEL.XML|TREE.DFT|ROBOT.YAML",
         ),
     ],
-    function: Annotated[str | None, typer.Option(help="of a robot; default the whole robot")] = None,
-    top: Annotated[str | None, typer.Option(help="a gate of a model, or a sequence of its event trees, alone")] = None,
+    function: Annotated[str | None, typer.Option(help="function of a robot; default: the whole robot")] = None,
+    top: Annotated[
+        str | None, typer.Option(help="only this gate of a model, or this sequence of its event trees")
+    ] = None,
     time: Annotated[
-        float | None, time_option("--at", "mission time of a model, or of operation of a new robot")
+        float | None, time_option("--at", "mission time of a model, or time of operation of a new robot")
     ] = None,
     order: Order = None,
     most: MostSets = 20,
-    to: Annotated[Path | None, typer.Option(help="write the tree: as a model, .xml, or a design, .yaml")] = None,
+    to: Annotated[Path | None, typer.Option(help="write the tree as a model, .xml, or as a design, .yaml")] = None,
     limit: Limit = 60.0,
     monte_carlo: Annotated[
-        int | None, typer.Option(min=1, max=1_000_000_000, help="only estimate the probability, by so many samples")
+        int | None, typer.Option(min=1, max=1_000_000_000, help="only estimate the probability, by this many samples")
     ] = None,
     draws: Annotated[
-        int | None, typer.Option(min=2, max=1_000_000, help="of what is uncertain in a model, by a Latin hypercube")
+        int | None,
+        typer.Option(min=2, max=1_000_000, help="number of draws of a model's uncertain values, by a Latin hypercube"),
     ] = None,
     seed: ChanceSeed = 0,
     as_json: Json = False,
 ) -> None:
-    """The probability of a fault tree's top event, and its minimal cut sets; of a robot, also its fault tree.
+    """The probability of a fault tree's top event and its minimal cut sets, also of a robot's own tree.
 
     Of a model with event trees, the probability of each sequence, given its initiating event.
     """

@@ -69,28 +69,34 @@ def command(
         Path, typer.Argument(help="a table of lives: time [h], censored, count, stresses …", metavar="LIVES.CSV")
     ],
     distribution: Annotated[
-        str | None, typer.Option(help="exponential, weibull, weibull3, lognormal, normal, gamma, loglogistic, gumbel")
+        str | None,
+        typer.Option(
+            help="distribution: exponential, weibull, weibull3, lognormal, normal, gamma, loglogistic, gumbel"
+        ),
     ] = None,
     by: Annotated[
-        Literal["likelihood", "ranks"], typer.Option(help="likelihood, or ranks: a line through median ranks")
+        Literal["likelihood", "ranks"], typer.Option(help="method: likelihood, or ranks (a line through median ranks)")
     ] = "likelihood",
     use: Annotated[
-        list[str] | None, typer.Option(metavar="STRESS=VALUE", help="of use, e.g. temperature='40 degC'")
+        list[str] | None, typer.Option(metavar="STRESS=VALUE", help="stress in use, e.g. temperature='40 degC'")
     ] = None,
     law: Annotated[
-        list[str] | None, typer.Option(metavar="STRESS=LAW", help="arrhenius, eyring, q10, inverse_power")
+        list[str] | None,
+        typer.Option(metavar="STRESS=LAW", help="law of life and stress: arrhenius, eyring, q10, inverse_power"),
     ] = None,
-    repairable: Annotated[bool, typer.Option("--repairable", help="items are repaired and go on: power law")] = False,
-    some_never: Annotated[
-        bool, typer.Option("--some-never-fail", help="fit the share of parts that ever fails too")
+    repairable: Annotated[
+        bool, typer.Option("--repairable", help="items are repaired and continue: fit the power law")
     ] = False,
-    level: Annotated[float, typer.Option(help="of intervals", min=0.01, max=0.999)] = 0.9,
+    some_never: Annotated[
+        bool, typer.Option("--some-never-fail", help="also fit the share of parts that ever fails")
+    ] = False,
+    level: Annotated[float, typer.Option(help="confidence level of the intervals", min=0.01, max=0.999)] = 0.9,
     refits: Annotated[
-        int, typer.Option(help="simulate so many fits to say how well the best fits", min=0, max=10_000)
+        int, typer.Option(help="number of simulated fits that show how well the best one fits", min=0, max=10_000)
     ] = 0,
-    seed: Annotated[int, typer.Option(help="of --refits", min=0)] = 0,
-    report: Annotated[Path | None, typer.Option(help="write a page with probability plots, HTML")] = None,
-    to: Annotated[Path | None, typer.Option(help="put the life into this design, with --part")] = None,
+    seed: Annotated[int, typer.Option(help="random seed of --refits", min=0)] = 0,
+    report: Annotated[Path | None, typer.Option(help="write an HTML page with probability plots")] = None,
+    to: Annotated[Path | None, typer.Option(help="write the life into this design, with --part")] = None,
     part: Annotated[str | None, typer.Option(help="path of the part, or of its failure mode")] = None,
     as_json: Json = False,
 ) -> None:

@@ -27,15 +27,18 @@ def command(
     sensors: Annotated[
         Path | None, typer.Option(help="a table: sensor, part, detects, false alarm, price, fitted")
     ] = None,
-    hours: Annotated[float, time_option("--within", "of operation of a new robot", above=True)] = 1000.0,
+    hours: Annotated[float, time_option("--within", "time of operation of a new robot", above=True)] = 1000.0,
     severity: Annotated[
-        list[str] | None, typer.Option(metavar="WHAT=1…10", help="of robot, redundancy, nothing, a function or a part")
+        list[str] | None,
+        typer.Option(
+            metavar="WHAT=1…10", help="severity of the loss of: robot, redundancy, nothing, a function or a part"
+        ),
     ] = None,
-    to: Annotated[Path | None, typer.Option(help="write all of it, .csv or .html")] = None,
+    to: Annotated[Path | None, typer.Option(help="write the whole table, .csv or .html")] = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Failure modes, effects and criticality, the effects from the robot's structure."""
+    """Failure modes, effects and criticality (FMECA), with effects from the robot's structure."""
     run(design, sensors, hours, tuple(severity or ()), to, force=force, as_json=as_json)
 
 

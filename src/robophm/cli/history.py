@@ -39,15 +39,17 @@ def command(
     design: Design,
     path: StoreOfRobot,
     start: Annotated[
-        str | None, typer.Option("--from", metavar="TIME", help="first time, as 2026-03-04T12:00, UTC")
+        str | None, typer.Option("--from", metavar="TIME", help="start, e.g. 2026-03-04T12:00, UTC")
     ] = None,
-    end: Annotated[str | None, typer.Option("--to", metavar="TIME", help="time before which it ends")] = None,
-    at: Annotated[str | None, typer.Option(metavar="TIME", help="the robot's report as it was then")] = None,
-    points: Annotated[int, typer.Option(help="at most so many in each curve", min=2, max=MOST_POINTS)] = POINTS,
-    plot: Annotated[Path | None, typer.Option(help="write a page with the curves and the events, HTML")] = None,
+    end: Annotated[str | None, typer.Option("--to", metavar="TIME", help="end, itself not included")] = None,
+    at: Annotated[str | None, typer.Option(metavar="TIME", help="show the robot's report of this time")] = None,
+    points: Annotated[
+        int, typer.Option(help="largest number of points in each curve", min=2, max=MOST_POINTS)
+    ] = POINTS,
+    plot: Annotated[Path | None, typer.Option(help="write an HTML page with curves and events")] = None,
     as_json: Json = False,
 ) -> None:
-    """A robot's figures and what happened to it, over any stretch of its past."""
+    """A robot's figures and events over any period of its past."""
     if at is not None and (start or end or plot):
         raise RobophmError("--at is one time; expected it without --from, --to and --plot")
     first, last = span_of(start, end)

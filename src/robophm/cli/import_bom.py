@@ -54,28 +54,32 @@ class Wishes:
 
 
 def command(
-    source: Annotated[Path, typer.Argument(help="the parts list", metavar="PARTS.CSV|XLSX|ODS")],
+    source: Annotated[Path, typer.Argument(help="parts list to import", metavar="PARTS.CSV|XLSX|ODS")],
     design: Annotated[
-        Path, typer.Argument(help="the design to make, or to bring up to the list", metavar="ROBOT.YAML")
+        Path, typer.Argument(help="design file to create, or to update from the list", metavar="ROBOT.YAML")
     ],
     module: Annotated[
-        str | None, typer.Option(help="where they belong, e.g. 'Power/Motor board'; default the robot")
+        str | None, typer.Option(help="module that the parts belong to, e.g. 'Power/Motor board'; default: the robot")
     ] = None,
-    mapping: Annotated[Path | None, typer.Option(help="what the columns mean, as --save-mapping wrote it")] = None,
-    save_mapping: Annotated[Path | None, typer.Option(help="write what the columns were taken for")] = None,
+    mapping: Annotated[
+        Path | None, typer.Option(help="file that says what the columns mean, written by --save-mapping")
+    ] = None,
+    save_mapping: Annotated[Path | None, typer.Option(help="write what each column was taken for")] = None,
     environment: Annotated[
         str | None,
-        typer.Option(help="e.g. vehicle, indoor, flying, or a symbol such as GM; default the design's, or GM"),
+        typer.Option(
+            help="environment, e.g. vehicle, indoor, flying, or a symbol such as GM; default: the design's, or GM"
+        ),
     ] = None,
-    temperature: Annotated[str, typer.Option(help="around the parts")] = "40 degC",
-    stress: Annotated[float, typer.Option(help="applied by rated voltage or power", min=0, max=1)] = 0.5,
+    temperature: Annotated[str, typer.Option(help="temperature around the parts")] = "40 degC",
+    stress: Annotated[float, typer.Option(help="stress ratio: applied by rated voltage or power", min=0, max=1)] = 0.5,
     quality: Annotated[
-        str | None, typer.Option(help="commercial, 'known pedigree', military, or a model's level")
+        str | None, typer.Option(help="quality: commercial, 'known pedigree', military, or a model's level")
     ] = None,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="say what would be done, and write no design")] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="only say what would be written")] = False,
     as_json: Json = False,
 ) -> None:
-    """Put the parts of a list into a design, rated where enough is known, and say what was assumed."""
+    """Import a parts list into a design, with rates where enough is known, and list the assumptions."""
     wishes = Wishes(module, mapping, save_mapping, environment, temperature, stress, quality, dry_run, as_json)
     run(source, design, wishes)
 

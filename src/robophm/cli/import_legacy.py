@@ -18,12 +18,14 @@ from robophm.report.words import number_text, percent_text, rate_text
 
 
 def command(
-    source: Annotated[Path, typer.Argument(help="phm_configurations_*.yaml of the 2020 tool", metavar="SOURCE.YAML")],
-    design: Annotated[Path, typer.Argument(help="the design file to write", metavar="ROBOT.YAML")],
+    source: Annotated[
+        Path, typer.Argument(help="a file phm_configurations_*.yaml of the 2020 tool", metavar="SOURCE.YAML")
+    ],
+    design: Annotated[Path, typer.Argument(help="design file to write", metavar="ROBOT.YAML")],
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Make a design of a file of the 2020 tool, and say what is odd in it."""
+    """Convert a file of the 2020 tool to a design, and list what is odd in it."""
     may_write(design, source)
     if design.exists() and not force:
         raise RobophmError(f"{design}: exists already; --force puts the design in its place")

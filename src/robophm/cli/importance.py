@@ -66,22 +66,22 @@ def measure(name: str) -> str:
 
 
 def command(
-    design: Annotated[Path, typer.Argument(help="the robot's design, or an Open-PSA model", metavar="ROBOT.YAML")],
-    tasks: Annotated[Path | None, typer.Argument(help="tasks.yaml or .csv; default: the design's task")] = None,
+    design: Annotated[Path, typer.Argument(help="a robot's design file, or an Open-PSA model", metavar="ROBOT.YAML")],
+    tasks: Annotated[Path | None, typer.Argument(help="tasks, .yaml or .csv; default: the design's task")] = None,
     store: Store = None,
     failed: Failed = None,
     working: Working = None,
     future: Future = "recent",
-    function: Annotated[str | None, typer.Option(help="of the robot; default the whole robot")] = None,
+    function: Annotated[str | None, typer.Option(help="function of the robot; default: the whole robot")] = None,
     hours: Annotated[
-        float | None, time_option("--within", "of operation; default 1000 h, or half its life if less", above=True)
+        float | None, time_option("--within", "operating time; default: 1000 h, or half its life if less", above=True)
     ] = None,
-    by: Annotated[str, typer.Option(help="birnbaum, criticality, fussell-vesely, raw, rrw, improvement "
+    by: Annotated[str, typer.Option(help="measure: birnbaum, criticality, fussell-vesely, raw, rrw, improvement "
                                          "or barlow-proschan")] = "criticality",
-    most: Annotated[int, typer.Option(help="parts to list", min=1, max=100_000)] = 20,
+    most: Annotated[int, typer.Option(help="number of parts to list", min=1, max=100_000)] = 20,
     as_json: Json = False,
 ) -> None:  # fmt: skip
-    """What matters most to a robot's health, and what to replace first."""
+    """Rank parts by their importance to a robot's health, and say what to replace first."""
     ranked = measure(by)
     if design.suffix.lower() == ".xml":
         run_model(design, hours, ranked, most, as_json=as_json)

@@ -35,14 +35,15 @@ def command(
         list[Path], typer.Argument(help="failure logs (.csv, .yaml), or stores of robots (.db)", metavar="LOG…")
     ],
     prior: Annotated[
-        str | None, typer.Option(help="what stated rates count as: '10000 h', '2 failures'; default the design's, or 1")
+        str | None,
+        typer.Option(help="weight of the stated rates: '10000 h', '2 failures'; default: the design's, or 1"),
     ] = None,
     of: Annotated[str | None, typer.Option("--robot", help="rates of this one robot of the fleet")] = None,
     to: Annotated[Path | None, typer.Option(help="write the design with the evidence beside each rate")] = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """What failures in the field say of a design's rates."""
+    """Update a design's failure rates by failures in the field."""
     if to is None:
         refuse_unused("rates that are not written (--to)", ("logs", "prior", "of"))
     may_make(to, *logs, force=force, suffixes=(".yaml", ".yml"))

@@ -67,7 +67,7 @@ class _Answers:
     cycles: LifeCycles | None
     spares: dict[str, tuple[int, float]]
     first: list[Worth] | None
-    """Gain of each part put in new for what it costs; None without a past."""
+    """Gain of replacing each part, and its cost; None without a past."""
     first_unknown: PartsOfUnknownRate | None
     """The effect of parts of unknown rate on that."""
     inspected: Mapping[str, ByCondition]
@@ -82,25 +82,35 @@ def command(
     design: Design,
     costs: Annotated[
         Path | None,
-        typer.Argument(help="a table: part, preventive, corrective, …; else only what is due", metavar="[COSTS.CSV]"),
+        typer.Argument(
+            help="a table: part, preventive, corrective, …; without it: only what is due", metavar="[COSTS.CSV]"
+        ),
     ] = None,
     store: Annotated[
         str | None,
-        typer.Option("--store", help="the robot's past: what is due, and what to do first", callback=stated_store),
+        typer.Option(
+            "--store", help="store with the robot's past: what is due, and what to do first", callback=stated_store
+        ),
     ] = None,
-    setup: Annotated[float, typer.Option(help="cost of a visit, whatever is done at it", min=0)] = 0.0,
-    downtime_cost: Annotated[float, typer.Option(help="of an hour that the robot stands still", min=0)] = 0.0,
-    horizon: Annotated[str, typer.Option(help="over which costs are simulated")] = "5 year",
-    robots: Annotated[int, typer.Option(help="that share a stock of spares", min=1, max=1_000_000)] = 1,
-    level: Annotated[float, typer.Option(help="with which spares are enough", min=0.001, max=0.99999)] = 0.95,
-    lead: Annotated[str, typer.Option(help="time for which spares must do")] = "90 day",
-    repetitions: Annotated[int, typer.Option(help="of the simulation", min=2, max=1_000_000)] = 2000,
-    seed: Annotated[int, typer.Option(help="of the simulation", min=0)] = 0,
-    risk: Annotated[float, typer.Option(help="chance of a failure that is taken before a part is due")] = RISK,
-    calendar: Annotated[Path | None, typer.Option(help="write what is due as a calendar", metavar="FILE.ics")] = None,
+    setup: Annotated[float, typer.Option(help="cost of each visit, whatever is done", min=0)] = 0.0,
+    downtime_cost: Annotated[float, typer.Option(help="cost of an hour for which the robot is down", min=0)] = 0.0,
+    horizon: Annotated[str, typer.Option(help="time over which costs are simulated")] = "5 year",
+    robots: Annotated[
+        int, typer.Option(help="number of robots that share a stock of spares", min=1, max=1_000_000)
+    ] = 1,
+    level: Annotated[
+        float, typer.Option(help="probability with which the spares are enough", min=0.001, max=0.99999)
+    ] = 0.95,
+    lead: Annotated[str, typer.Option(help="time that the spares must last")] = "90 day",
+    repetitions: Annotated[int, typer.Option(help="number of simulated lives", min=2, max=1_000_000)] = 2000,
+    seed: Annotated[int, typer.Option(help="random seed of the simulation", min=0)] = 0,
+    risk: Annotated[float, typer.Option(help="accepted probability that a part fails before it is due")] = RISK,
+    calendar: Annotated[
+        Path | None, typer.Option(help="write the due replacements as a calendar", metavar="FILE.ics")
+    ] = None,
     as_json: Json = False,
 ) -> None:
-    """When to replace which part, with which spares, at what cost; whether watching it pays."""
+    """When to replace which part, with which spares, at what cost, and whether monitoring pays."""
     wishes = Wishes(
         store, setup, downtime_cost, horizon, robots, level, lead, repetitions, seed, as_json, risk, calendar
     )
@@ -316,7 +326,7 @@ def _print_first(out: Console, first: list[Worth], robot: Robot) -> None:
         for one in first[:MOST_FIRST]
     ]  # fmt: skip
     out.print()
-    print_table(out, table("What to replace first, put in new now", columns, rows, figures=range(1, len(columns))))
+    print_table(out, table("What to replace first, if replaced now", columns, rows, figures=range(1, len(columns))))
 
 
 def _signed(hours: float) -> str:

@@ -44,12 +44,14 @@ def print_qualities(*, as_json: bool) -> None:
 def command(
     words: Annotated[
         list[str] | None,
-        typer.Argument(help="of part, e.g. motor, chip resistor; none lists all; environment, quality: their words"),
+        typer.Argument(
+            help="words for a part, e.g. motor, chip resistor; default: all models; environment, quality: their words"
+        ),
     ] = None,
-    reference: Annotated[bool, typer.Option("--reference", help="print the reference page, Markdown")] = False,
+    reference: Annotated[bool, typer.Option("--reference", help="print the reference page as Markdown")] = False,
     as_json: Json = False,
 ) -> None:
-    """The hazard models for a kind of part."""
+    """List the hazard models for a kind of part."""
     kind = " ".join(words) if words else None
     if reference:
         print_reference()

@@ -50,31 +50,40 @@ class Wishes:
 
 
 def command(
-    design: Annotated[Path, typer.Argument(help="the design to write", metavar="ROBOT.YAML")],
-    urdf: Annotated[Path | None, typer.Option(help="the robot's description, expanded from xacro")] = None,
+    design: Annotated[Path, typer.Argument(help="design file to write", metavar="ROBOT.YAML")],
+    urdf: Annotated[Path | None, typer.Option(help="URDF of the robot, expanded from xacro")] = None,
     bag: Bag = None,
     via: Annotated[
         str | None,
-        typer.Option("--via", help="listen to a robot that runs, ten seconds: auto, ros1, ros2, dds, rclpy, mqtt://…"),
+        typer.Option("--via", help="listen to a running robot for ten seconds: auto, ros1, ros2, dds, rclpy, mqtt://…"),
     ] = None,
-    bom: Annotated[list[str] | None, typer.Option(help="parts list and its module, main.csv=Drive/board")] = None,
-    hours: Annotated[str | None, typer.Option(help="that it works a day")] = None,
-    where: Annotated[str | None, typer.Option(help="it works: indoor robot, outdoor robot, factory, flying …")] = None,
-    battery: Annotated[str | None, typer.Option(help="li-ion, lipo, lead acid …, mains or none")] = None,
-    computer: Annotated[str | None, typer.Option(help="raspberry pi, jetson, mini pc … or none")] = None,
-    sensors: Annotated[str | None, typer.Option(help="that were not seen, in words, with commas")] = None,
-    drive: Annotated[str | None, typer.Option(help="of wheels or joints: dynamixel, harmonic drive …")] = None,
-    needs: Annotated[str | None, typer.Option(help="what must work for a task: parts or modules with commas")] = None,
+    bom: Annotated[
+        list[str] | None, typer.Option(help="a parts list and its module, e.g. main.csv=Drive/board")
+    ] = None,
+    hours: Annotated[str | None, typer.Option(help="hours of work a day")] = None,
+    where: Annotated[
+        str | None, typer.Option(help="where it works: indoor robot, outdoor robot, factory, flying …")
+    ] = None,
+    battery: Annotated[str | None, typer.Option(help="power supply: li-ion, lipo, lead acid …, mains or none")] = None,
+    computer: Annotated[
+        str | None, typer.Option(help="computer on board: raspberry pi, jetson, mini pc … or none")
+    ] = None,
+    sensors: Annotated[str | None, typer.Option(help="further sensors, in words, separated by commas")] = None,
+    drive: Annotated[str | None, typer.Option(help="drive of wheels or joints: dynamixel, harmonic drive …")] = None,
+    needs: Annotated[str | None, typer.Option(help="parts or modules that a task needs, separated by commas")] = None,
     part: Annotated[
-        list[str] | None, typer.Option(help="NAME=WORDS: a part is this; NAME=none: it is not there")
+        list[str] | None,
+        typer.Option(help="NAME=WORDS: take a part as this entry of the library; NAME=none: leave it out"),
     ] = None,
-    name: Annotated[str, typer.Option(help="of the robot; default its URDF's")] = "",
-    yes: Annotated[bool, typer.Option("--yes", help="ask nothing: assume what is not said")] = False,
-    update: Annotated[bool, typer.Option("--update", help="change in a design only what nobody touched")] = False,
+    name: Annotated[str, typer.Option(help="name of the robot; default: that of the URDF")] = "",
+    yes: Annotated[bool, typer.Option("--yes", help="ask nothing; use the default for each open question")] = False,
+    update: Annotated[
+        bool, typer.Option("--update", help="update an existing design; what you edited in it stays")
+    ] = False,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Draft a robot's design from its URDF, its recordings and its parts lists, and say its first health."""
+    """Draft a design from a URDF, recordings and parts lists, and give the robot's first health figures."""
     wishes = Wishes(
         urdf, tuple(bag or ()), lists_of(bom or ()),
         Answers(hours, where, battery, computer, sensors, drive, needs), tuple(map(change_of, part or ())), name,

@@ -21,11 +21,13 @@ from robophm.report.part_reference import reference as page
 
 
 def command(
-    words: Annotated[list[str] | None, typer.Argument(help="what it is, e.g. gps receiver; or the name of one")] = None,
-    reference: Annotated[bool, typer.Option("--reference", help="print the reference page, Markdown")] = False,
+    words: Annotated[
+        list[str] | None, typer.Argument(help="words for a part, e.g. gps receiver; or the name of an entry")
+    ] = None,
+    reference: Annotated[bool, typer.Option("--reference", help="print the reference page as Markdown")] = False,
     as_json: Json = False,
 ) -> None:
-    """The library of robot parts: what they fail by, and where each figure is from."""
+    """Search the library of robot parts: failure modes, rates and their sources."""
     if reference:
         refuse_unused("the reference page", ("reference",), as_json=False)
         typer.echo("\n".join(page()))

@@ -43,20 +43,22 @@ class Wishes:
 def command(
     design: Design,
     store: Store = None,
-    distance: Annotated[str | None, typer.Option(help="of the task, e.g. '250 m'")] = None,
-    speed: Annotated[str | None, typer.Option(help="of the task, e.g. '0.3 m/s'")] = None,
-    duration: Annotated[str | None, typer.Option(help="of the task, instead of a speed, e.g. '20 min'")] = None,
+    distance: Annotated[str | None, typer.Option(help="distance of the task, e.g. '250 m'")] = None,
+    speed: Annotated[str | None, typer.Option(help="speed in the task, e.g. '0.3 m/s'")] = None,
+    duration: Annotated[
+        str | None, typer.Option(help="duration of the task, in place of a speed, e.g. '20 min'")
+    ] = None,
     future: Future = "recent",
-    plan: Annotated[Path | None, typer.Option(help="tasks.yaml or .csv that it does again and again")] = None,
+    plan: Annotated[Path | None, typer.Option(help="tasks, .yaml or .csv, that the robot repeats")] = None,
     failed: Failed = None,
     working: Working = None,
-    parts: Annotated[bool, typer.Option("--parts", help="remaining life of every component too")] = False,
+    parts: Annotated[bool, typer.Option("--parts", help="also give the remaining life of every component")] = False,
     draws: Draws = 2000,
     horizon: Horizon = None,
     unit: Unit = "1/h",
     as_json: Json = False,
 ) -> None:
-    """Say what lies ahead: remaining life, task completion."""
+    """Predict remaining life and task completion."""
     wishes = Wishes(
         distance, speed, duration, future, plan, tuple(failed or ()), tuple(working or ()), draws,
         horizon_of(horizon), parts=parts,

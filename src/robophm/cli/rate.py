@@ -22,19 +22,20 @@ from robophm.report.words import number_text
 
 
 def command(
-    model: Annotated[str | None, typer.Argument(help="e.g. mil_hdbk_217f.capacitor; none lists them")] = None,
-    set_: Annotated[
-        list[str] | None, typer.Option("--set", metavar="INPUT=VALUE", help="e.g. temperature='60 degC'")
+    model: Annotated[
+        str | None, typer.Argument(help="name of a model, e.g. mil_hdbk_217f.capacitor; without it: a list")
     ] = None,
-    explain: Annotated[
-        bool, typer.Option("--explain", help="show every input, what is assumed, and every factor")
-    ] = False,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="INPUT=VALUE", help="an input of the model, e.g. temperature='60 degC'"),
+    ] = None,
+    explain: Annotated[bool, typer.Option("--explain", help="show every input, assumption and factor")] = False,
     unit: Annotated[
-        str | None, typer.Option(help="of the rate: FIT, FPMH, 1/h, or '/10^6 cycle' of a rate per cycle")
+        str | None, typer.Option(help="unit of the rate: FIT, FPMH, 1/h, or '/10^6 cycle' for a rate per cycle")
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """The hazard rate that a handbook gives for a part."""
+    """Compute the hazard rate of a part by a handbook's model."""
     if model is None:
         refuse_unused("the list of models", ())
         print_models(as_json=as_json)

@@ -31,16 +31,16 @@ def command(
     recordings: Annotated[
         list[Path],
         typer.Argument(
-            help=".bag, .db3, .mcap, folders of them, .csv or .journal; or an address: https://, s3://, gs://, az://"
+            help="recordings: .bag, .db3, .mcap, .csv, .journal, or folders; or addresses: https://, s3://, gs://, az://"
         ),
     ],
     store: GrowingStore = None,
-    report: Annotated[Path | None, typer.Option(help="write a page about its health, HTML")] = None,
+    report: Annotated[Path | None, typer.Option(help="write an HTML page about the robot's health")] = None,
     skip_missing: SkipMissing = False,
     jobs: Annotated[
         int | None,
         typer.Option(
-            help="processes that make the reports which --store and --report keep, 1 by default",
+            help="processes that make the reports for --store and --report; default: 1",
             min=1,
             max=MOST_JOBS,
             show_default=False,
@@ -50,7 +50,7 @@ def command(
     unit: Unit = "1/h",
     as_json: Json = False,
 ) -> None:
-    """A robot's health after what it recorded: drives in the order of their time, however many."""
+    """Compute a robot's health from its recordings, in the order of their time."""
     ahead = horizon_of(horizon)
     if as_json:
         refuse_unused("JSON, in 1/h", ("store", "report", "jobs", "horizon", "skip_missing"))

@@ -24,14 +24,14 @@ def command(
     design: Design,
     store: Store = None,
     output: Annotated[
-        Path | None, typer.Option("--to", help="the page; health.html, or health.pdf", show_default=False)
+        Path | None, typer.Option("--to", help="page to write; default: health.html, or health.pdf", show_default=False)
     ] = None,
     horizon: Horizon = None,
-    pdf: Annotated[bool, typer.Option("--pdf", help="as a PDF; needs robophm[pdf]")] = False,
+    pdf: Annotated[bool, typer.Option("--pdf", help="write a PDF; needs robophm[pdf]")] = False,
     short: Annotated[bool, typer.Option("--short", help="without what it follows from: a page or two")] = False,
     force: Force = False,
 ) -> None:
-    """Write a robot's health on one page that needs nothing else, not even JavaScript."""
+    """Write a robot's health as one page that needs no other file and no JavaScript."""
     path = output or Path("health.pdf" if pdf else "health.html")
     ahead = horizon_of(horizon)
     suffix = ".pdf" if pdf else ".html"

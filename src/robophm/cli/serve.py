@@ -52,43 +52,46 @@ class Wishes:
 
 
 def command(
-    design: Annotated[
-        Path, typer.Argument(help="the robot's design file; one that is not there yet is drafted on the page")
-    ] = Path("robot.yaml"),
-    host: Annotated[str, typer.Option(help="address to listen on; any but 127.0.0.1 needs users")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(min=0, max=65535, help="0 is any that is free")] = 8707,
+    design: Annotated[Path, typer.Argument(help="the robot's design file; a new one is drafted on the page")] = Path(
+        "robot.yaml"
+    ),
+    host: Annotated[str, typer.Option(help="address to listen on; any other than 127.0.0.1 needs users")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(min=0, max=65535, help="port to listen on; 0: any free one")] = 8707,
     store: GrowingStore = None,
     no_store: Annotated[
-        bool, typer.Option("--no-store", help="keep the robot's past nowhere; else beside the design")
+        bool, typer.Option("--no-store", help="do not keep the robot's past; default: kept beside the design")
     ] = False,
-    journal: Annotated[Path | None, typer.Option(help="write every sample to the end of this journal")] = None,
+    journal: Annotated[Path | None, typer.Option(help="append every sample to this journal")] = None,
     recordings: Annotated[
-        list[Path] | None, typer.Option("--replay", help="recordings that can be watched as if they were live")
+        list[Path] | None,
+        typer.Option("--replay", help="recordings that can be played on the page as if they were live"),
     ] = None,
-    synthetic: Annotated[bool, typer.Option("--synthetic", help="offer the synthetic OTA as a source")] = False,
+    synthetic: Annotated[bool, typer.Option("--synthetic", help="offer the synthetic robot as a source")] = False,
     start: Annotated[
-        str | None, typer.Option(help="watch at once: ros1, ros2, recordings or synthetic", metavar="SOURCE")
+        str | None, typer.Option(help="start to watch at once: ros1, ros2, recordings or synthetic", metavar="SOURCE")
     ] = None,
-    speed: Annotated[float, typer.Option(help="of a recording, as a multiple of its own")] = 1.0,
+    speed: Annotated[float, typer.Option(help="speed at which a recording is played, as a multiple of its own")] = 1.0,
     notify: Notify = None,
     fleet: Fleet = None,
     certificate: Annotated[
-        Path | None, typer.Option(help="certificate for TLS, in PEM; else one is made where others reach the page")
+        Path | None, typer.Option(help="certificate for TLS, PEM; default: one is made where others can reach the page")
     ] = None,
-    key: Annotated[Path | None, typer.Option(help="its key, where that is in no file with it")] = None,
+    key: Annotated[
+        Path | None, typer.Option(help="private key of the certificate, if it is in a file of its own")
+    ] = None,
     proxy: Annotated[
         list[str] | None,
-        typer.Option(help="address of a reverse proxy that logs people in, and is believed", metavar="ADDRESS"),
+        typer.Option(help="address of a reverse proxy that logs users in, and is trusted", metavar="ADDRESS"),
     ] = None,
     embed: Annotated[
         list[str] | None,
         typer.Option(
-            help="show the wall, /wall, inside pages of this origin, e.g. http://10.0.0.5:3000; several",
+            help="allow pages of this origin to embed the wall, /wall, e.g. http://10.0.0.5:3000; may be repeated",
             metavar="ORIGIN",
         ),
     ] = None,
 ) -> None:
-    """The page: design a robot, bind its sensors and watch its health, in any browser."""
+    """Serve the web page: design a robot, bind its sensors and watch its health."""
     proxies, origins = tuple(proxy or ()), tuple(embed or ())
     run(design, Wishes(host, port, store, journal, tuple(recordings or ()), synthetic, start, speed, no_store,
                        tuple(notify or ()), certificate, key, proxies, origins, fleet))  # fmt: skip

@@ -19,24 +19,35 @@ from robophm.report.words import number_text, past_moment_text
 def command(
     design: Design,
     part: Annotated[str, typer.Argument(help="path of the component, or of its failure mode")],
-    store: Annotated[str, typer.Option("--store", help="the robot's past, as kept by replay", callback=stated_store)],
-    replaced: Annotated[bool, typer.Option("--replaced", help="a new one was put in")] = False,
+    store: Annotated[
+        str, typer.Option("--store", help="store with the robot's past, written by replay", callback=stated_store)
+    ],
+    replaced: Annotated[bool, typer.Option("--replaced", help="the part was replaced by a new one")] = False,
     repaired: Annotated[
         float | None,
-        typer.Option(help="it was repaired: the share of its age that remains, 0 as new, 1 as before", metavar="SHARE"),
+        typer.Option(
+            help="the part was repaired: the share of its age that remains, from 0 (as new) to 1 (as before)",
+            metavar="SHARE",
+        ),
     ] = None,
     failed: Annotated[
-        bool, typer.Option("--failed", help="it had failed; else it was served before. Alone: nothing was done yet")
+        bool,
+        typer.Option(
+            "--failed", help="the part had failed before the service; alone: it has failed and was not serviced yet"
+        ),
     ] = False,
-    by: Annotated[str, typer.Option(help="who says so", metavar="NAME")] = "",
-    note: Annotated[str, typer.Option(help="what is to be remembered of it", metavar="TEXT")] = "",
+    by: Annotated[str, typer.Option(help="who reports it", metavar="NAME")] = "",
+    note: Annotated[str, typer.Option(help="a remark to keep with it", metavar="TEXT")] = "",
     wait: Annotated[
-        float, typer.Option(help="for an answer, where the robot is watched", min=0, max=3600, metavar="SECONDS")
+        float,
+        typer.Option(
+            help="seconds to wait for an answer, while the robot is watched", min=0, max=3600, metavar="SECONDS"
+        ),
     ] = WAIT,
-    history: Annotated[bool, typer.Option("--history", help="list every service of it so far")] = False,
+    history: Annotated[bool, typer.Option("--history", help="list every service of the part so far")] = False,
     as_json: Json = False,
 ) -> None:
-    """Tell a robot's ledger that a part was replaced or repaired, or that it failed."""
+    """Record that a part was replaced or repaired, or that it failed."""
     served = replaced + (repaired is not None)
     told = served == 1 or (served == 0 and failed)
     if served > 1 or not (told or history):

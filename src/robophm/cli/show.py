@@ -78,18 +78,18 @@ def _labels(new: Outlook, unit: str) -> Callable[[str], Label]:
 
 def command(
     design: Design,
-    hours: Annotated[float, time_option("--at", "of operation, at which to state λ and R")] = 1000.0,
+    hours: Annotated[float, time_option("--at", "time of operation at which λ and R are stated")] = 1000.0,
     unit: Unit = "1/h",
-    svg: Annotated[Path | None, typer.Option(help="also draw the diagram into this SVG file")] = None,
+    svg: Annotated[Path | None, typer.Option(help="also draw the diagram, as an SVG file")] = None,
     horizon: Horizon = None,
     legacy: Legacy = False,
     monte_carlo: Annotated[
-        int | None, typer.Option(min=1, max=1_000_000_000, help="only estimate R by so many simulated robots")
+        int | None, typer.Option(min=1, max=1_000_000_000, help="only estimate R, by simulating this many robots")
     ] = None,
     seed: ChanceSeed = 0,
     as_json: Json = False,
 ) -> None:
-    """Draw a design and state what it promises when new."""
+    """Draw a design and give its figures when new."""
     if monte_carlo:
         estimated(design, hours, monte_carlo, seed, as_json=as_json)
     else:

@@ -18,16 +18,20 @@ from robophm.simulation.fleet import simulate
 
 def command(
     design: Design,
-    output: Annotated[Path, typer.Option("--to", help="folder for the fleet; must not exist, or be empty")],
-    robots: Annotated[int, typer.Option(help="how many")] = 20,
-    tasks: Annotated[int, typer.Option(help="that each of them does, and the rest of that round of its plan")] = 10,
-    seed: Annotated[int | None, typer.Option(help="writes the same fleet again; default: a fresh one")] = None,
+    output: Annotated[Path, typer.Option("--to", help="folder for the fleet; it must be new or empty")],
+    robots: Annotated[int, typer.Option(help="number of robots")] = 20,
+    tasks: Annotated[
+        int, typer.Option(help="number of tasks of each robot; it also finishes that round of its plan")
+    ] = 10,
+    seed: Annotated[
+        int | None, typer.Option(help="random seed; the same seed writes the same fleet; default: a new one")
+    ] = None,
     uncertain_rates: Annotated[
         bool, typer.Option("--uncertain-rates", help="each robot draws its true rates from the design's uncertainty")
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """Let robots of a design work and really fail: their recordings, tasks and failures."""
+    """Simulate robots of a design that really fail: recordings, tasks and failures."""
     if seed is None:
         seed = secrets.randbits(32)
     with counted(progress_console(), "simulating") as advance:

@@ -28,7 +28,7 @@ command = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mo
 
 @command.callback()
 def _store() -> None:
-    """Look after a store, where a robot's past is kept."""
+    """Manage a store, the file that keeps a robot's past."""
 
 
 @command.command()
@@ -36,9 +36,10 @@ def parts(
     design: Design,
     path: StoreOfRobot,
     same: Annotated[
-        list[str] | None, typer.Option(help="what was OLD is NEW now, a part or a module; several", metavar="OLD=NEW")
+        list[str] | None,
+        typer.Option(help="OLD is now called NEW, a part or a module; may be repeated", metavar="OLD=NEW"),
     ] = None,
-    new: Annotated[list[str] | None, typer.Option(help="this part is new; several", metavar="PART")] = None,
+    new: Annotated[list[str] | None, typer.Option(help="this part is new; may be repeated", metavar="PART")] = None,
     as_json: Json = False,
 ) -> None:
     """Say what becomes of the past of each part under a design; write the answers to what is asked into the design."""
@@ -91,10 +92,11 @@ def repair(
     design: Design,
     path: StoreOfRobot,
     take_in: Annotated[
-        bool, typer.Option("--take-in", help="the robot rested for as long as its clock is ahead of its past")
+        bool,
+        typer.Option("--take-in", help="the robot was at rest for the time by which its clock is ahead of its past"),
     ] = False,
     strike_out: Annotated[
-        bool, typer.Option("--strike-out", help="there was no such time; its past goes on from what the clock says")
+        bool, typer.Option("--strike-out", help="that time did not pass; its past goes on from what the clock says")
     ] = False,
     as_json: Json = False,
 ) -> None:
@@ -153,7 +155,7 @@ def check(path: StoreOfRobot, as_json: Json = False) -> None:
 @command.command()
 def copy(
     path: StoreOfRobot,
-    to: Annotated[Path, typer.Option("--to", help="a new file")],
+    to: Annotated[Path, typer.Option("--to", help="file to write; it must be new")],
     as_json: Json = False,
 ) -> None:
     """Copy a store into a new file, as it is at one moment, also while it is written."""

@@ -79,26 +79,32 @@ class Request:
 def command(
     design: Design,
     tasks: Annotated[
-        Path | None, typer.Argument(help="tasks.yaml, tasks.csv, or a recording; default: the design's task")
+        Path | None, typer.Argument(help="tasks, .yaml or .csv, or a recording; default: the design's task")
     ] = None,
     store: Store = None,
     failed: Failed = None,
     working: Working = None,
     future: Future = "recent",
-    repeat: Annotated[int, typer.Option(help="do the list so often, one after the other", min=1, max=1_000_000)] = 1,
-    threshold: Annotated[float | None, typer.Option(help="for --repeat; default the design's", min=0, max=1)] = None,
-    draws: Draws = 2000,
-    seed: Annotated[int, typer.Option(help="of all that is drawn at random")] = 0,
-    topic: Annotated[
-        list[str] | None, typer.Option(help="of a recording: what tells of tasks, or where the robot was")
+    repeat: Annotated[
+        int, typer.Option(help="number of times that the list is done, one after the other", min=1, max=1_000_000)
+    ] = 1,
+    threshold: Annotated[
+        float | None,
+        typer.Option(help="lowest acceptable probability, for --repeat; default: the design's", min=0, max=1),
     ] = None,
-    speed: Annotated[str | None, typer.Option(help="of a recording's planned legs that state none")] = None,
-    function: Annotated[list[str] | None, typer.Option(help="that a recording's tasks need")] = None,
+    draws: Draws = 2000,
+    seed: Annotated[int, typer.Option(help="random seed")] = 0,
+    topic: Annotated[
+        list[str] | None,
+        typer.Option(help="of a recording: topic or action that announces tasks, or gives the robot's position"),
+    ] = None,
+    speed: Annotated[str | None, typer.Option(help="speed for planned legs of a recording that state none")] = None,
+    function: Annotated[list[str] | None, typer.Option(help="function that the tasks of a recording need")] = None,
     skip_missing: SkipMissing = False,
     legacy: Legacy = False,
     as_json: Json = False,
 ) -> None:
-    """Say whether a robot can do its tasks: the probability that each will be completed, and what decides it."""
+    """The probability that each task will be completed, and the parts that decide it."""
     request = Request(
         tasks, store, tuple(failed or ()), tuple(working or ()), future, repeat, threshold, draws, seed,
         tuple(topic or ()), speed, tuple(function or ()), skip_missing=skip_missing, legacy=legacy, as_json=as_json,
@@ -279,7 +285,9 @@ def _print_uncertainty(out: Console, report: TaskReport, if_never: str, *, drawn
     out.print(f"All of it fails with 90 % {_between(sure.failure, 'between ')}{past}{if_never}", markup=False)
     if sure.of_rates and sure.of_load:
         out.print(f"  if rates were known exactly: {_between(sure.failure_if_rates_known)}{if_never}", markup=False)
-        out.print(f"  if the load went on as of late: {_between(sure.failure_if_load_known)}{if_never}", markup=False)
+        out.print(
+            f"  if the load stayed as it was recently: {_between(sure.failure_if_load_known)}{if_never}", markup=False
+        )
 
 
 def _between(interval: Interval, between: str = "") -> str:

@@ -21,10 +21,10 @@ SHOWN = 6
 
 def command(
     via: Via = "auto",
-    seconds: Annotated[float, typer.Option(min=0.5, max=3600, help="to listen")] = 3.0,
+    seconds: Annotated[float, typer.Option(min=0.5, max=3600, help="seconds to listen")] = 3.0,
     as_json: Json = False,
 ) -> None:
-    """What a robot that runs publishes: topics, types, rates, and the last value of each number."""
+    """List what a running robot publishes: topics, types, rates and the last value of each number."""
     opened = open_live(via)
     print(opened.said, file=sys.stderr)
     with opened.source as source:

@@ -22,15 +22,13 @@ if TYPE_CHECKING:
 
 command = typer.Typer(no_args_is_help=True, add_completion=False, rich_markup_mode=None)
 
-Design = Annotated[
-    Path, typer.Argument(help="the robot's design file, or a fleet's store, beside which users are kept")
-]
-Name = Annotated[str, typer.Argument(help="name of a person, or of a program")]
+Design = Annotated[Path, typer.Argument(help="a design file or a fleet's store; its users are kept beside it")]
+Name = Annotated[str, typer.Argument(help="name of a person or a program")]
 
 
 @command.callback()
 def _users() -> None:
-    """Who may use the page of a robot, and in which role."""
+    """Manage the users of a robot's page and their roles."""
 
 
 @command.command()
@@ -38,11 +36,12 @@ def add(
     design: Design,
     name: Name,
     role: Annotated[
-        str, typer.Option(help="viewer looks, operator also watches and takes note, editor also changes the design")
+        str,
+        typer.Option(help="viewer: looks; operator: also watches and acknowledges; editor: also changes the design"),
     ],
-    token: Annotated[bool, typer.Option("--token", help="for a program: print a token, once")] = False,
+    token: Annotated[bool, typer.Option("--token", help="for a program: make a token and print it, this once")] = False,
     days: Annotated[
-        float | None, typer.Option(min=0, help="after how many days the token ends; else it does not")
+        float | None, typer.Option(min=0, help="days after which the token expires; default: never")
     ] = None,
 ) -> None:
     """Add a user, or give one another role and password; asks for the password, or reads it from standard input."""

@@ -124,40 +124,44 @@ def command(
     words: Words = None,
     via: Via = "auto",
     store: GrowingStore = None,
-    journal: Annotated[Path | None, typer.Option(help="write every sample to the end of this journal")] = None,
+    journal: Annotated[Path | None, typer.Option(help="append every sample to this journal")] = None,
     period: Annotated[
-        float, typer.Option(min=0.1, max=3600, help="seconds that are integrated at once, and between two reports")
+        float, typer.Option(min=0.1, max=3600, help="seconds between two reports, and of each step of integration")
     ] = 1.0,
-    every: Annotated[float, typer.Option(min=0.1, help="seconds between two lines, off a terminal")] = 10.0,
+    every: Annotated[
+        float, typer.Option(min=0.1, help="seconds between two lines of output, where it is not a terminal")
+    ] = 10.0,
     publish: Annotated[bool, typer.Option(help="publish health as topics")] = True,
     robot: Annotated[
-        str | None, typer.Option(help="of several robots with this design, the one that speaks below this namespace")
+        str | None, typer.Option(help="namespace of the robot, where several robots have this design")
     ] = None,
     robots: Annotated[
         str | None, typer.Option(help="watch several with this design at once: 'amr_*', or amr_1,amr_2")
     ] = None,
     namespace: Annotated[
-        str | None, typer.Option(help="of the topics that are published; default that of --robot, else of ROS")
+        str | None, typer.Option(help="namespace of the published topics; default: that of --robot, else of ROS")
     ] = None,
-    frame: Annotated[str, typer.Option(help="where the markers for RViz stand")] = "base_link",
+    frame: Annotated[str, typer.Option(help="frame of the markers for RViz")] = "base_link",
     tasks: Annotated[
-        list[str] | None, typer.Option(help="topic or action that tells of tasks; default those known by name")
+        list[str] | None, typer.Option(help="topic or action that announces tasks; default: those known by name")
     ] = None,
     speed: Annotated[
         str | None,
-        typer.Option(help="of planned legs that state none, e.g. '0.3 m/s'; default that of the design's task"),
+        typer.Option(help="speed for planned legs that state none, e.g. '0.3 m/s'; default: that of the design's task"),
     ] = None,
-    function: Annotated[list[str] | None, typer.Option(help="that tasks need; default the whole robot")] = None,
+    function: Annotated[
+        list[str] | None, typer.Option(help="function that tasks need; default: the whole robot")
+    ] = None,
     notify: Notify = None,
     reports: Annotated[
-        bool, typer.Option("--reports", help="let anybody on ROS tell that parts failed or were served")
+        bool, typer.Option("--reports", help="let anybody on ROS report that parts failed or were serviced")
     ] = False,
     fleet: Fleet = None,
-    record: Annotated[Path | None, typer.Option(help="record health as it is published, in a new MCAP file")] = None,
+    record: Annotated[Path | None, typer.Option(help="also write the published health to a new MCAP file")] = None,
     unit: Unit = "1/h",
     as_json: Json = False,
 ) -> None:
-    """The health of a robot that runs, from ROS or MQTT and back to it, until it is interrupted."""
+    """Watch a running robot over ROS or MQTT, and publish its health, until interrupted."""
     names = names_of(words or (), os.environ.get("ROS_NAMESPACE", ""))
     os.environ.update(names.environment)
     root = namespace or (namespace_of(robot) if robot else names.namespace)

@@ -72,16 +72,17 @@ def command(
     ],
     part: Annotated[
         str | None,
-        typer.Option(help="path of the part, or its failure mode, whose wear it shows; default all with `wear`"),
+        typer.Option(help="path of the part or failure mode whose wear the signal shows; default: all with `wear`"),
     ] = None,
     threshold: Annotated[
-        float | None, typer.Option(help="of a table: at which it has failed; of a signal that falls, below the first")
+        float | None,
+        typer.Option(help="of a table: value at which the part has failed; below the first one if the signal falls"),
     ] = None,
     threshold_deviation: Annotated[
-        float | None, typer.Option(help="of a table: how well the threshold is known, a standard deviation", min=0)
+        float | None, typer.Option(help="of a table: standard deviation of the threshold", min=0)
     ] = None,
     load: Annotated[
-        float | None, typer.Option(help="of a table: at which readings are compared, by their column load")
+        float | None, typer.Option(help="of a table: load at which readings are compared, by the column load")
     ] = None,
     fleet: Annotated[
         Path | None,
@@ -91,35 +92,38 @@ def command(
         list[str] | None,
         typer.Option(
             "--use",
-            help="of a table with columns temperature, stress or depth_of_discharge: conditions under which it goes "
-            "on, e.g. temperature=40; default as of late",
+            help="of a table with columns temperature, stress or depth_of_discharge: future conditions, "
+            "e.g. temperature=40; default: as recently",
             metavar="CONDITION=VALUE",
         ),
     ] = None,
     index: Annotated[
         bool,
-        typer.Option("--index", help="of a table of many signals: an index of health, by a --fleet that failed"),
+        typer.Option(
+            "--index", help="of a table of many signals: combine them to an index of health, by a --fleet that failed"
+        ),
     ] = False,
     settings: Annotated[
-        str, typer.Option(help="of --index: columns that are operating conditions, not signals", metavar="A,B,…")
+        str, typer.Option(help="of --index: columns with operating conditions, not signals", metavar="A,B,…")
     ] = "",
-    baseline: Annotated[int, typer.Option(help="readings at the start that were sound", min=30)] = 100,
-    false_alarms: Annotated[float, typer.Option(help="one in so many readings", min=10)] = 1000.0,
-    shift: Annotated[float, typer.Option(help="deviations that shall be seen", min=0.1, max=10)] = 1.0,
+    baseline: Annotated[int, typer.Option(help="number of first readings at which the part was sound", min=30)] = 100,
+    false_alarms: Annotated[float, typer.Option(help="accept one false alarm in this many readings", min=10)] = 1000.0,
+    shift: Annotated[float, typer.Option(help="shift to be detected, in standard deviations", min=0.1, max=10)] = 1.0,
     store: Store = None,
     skip_missing: Annotated[
-        bool, typer.Option("--skip-missing", help="signals that all recordings lack stay silent")
+        bool,
+        typer.Option("--skip-missing", help="continue without signals that no recording has; they count as silent"),
     ] = False,
     backtest: Annotated[
-        bool, typer.Option("--backtest", help="also what would have been said at earlier readings, and what came")
+        bool, typer.Option("--backtest", help="also give the forecasts at earlier readings, and what happened")
     ] = False,
     predictions: Annotated[
-        Path | None, typer.Option(help="write that to this CSV file, for robophm calibrate", metavar="FILE.CSV")
+        Path | None, typer.Option(help="write these forecasts to a CSV file, for robophm calibrate", metavar="FILE.CSV")
     ] = None,
-    seed: Annotated[int, typer.Option(help="of what is drawn", min=0)] = 0,
+    seed: Annotated[int, typer.Option(help="random seed", min=0)] = 0,
     as_json: Json = False,
 ) -> None:
-    """The wear that signals show: trend, change, and what remains of parts and robot.
+    """Wear seen in signals: trend, changes, and the remaining life of parts and robot.
 
     Exit code 1 where a threshold is reached, or no model follows the wear.
     """

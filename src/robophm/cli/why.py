@@ -23,7 +23,7 @@ from robophm.stores import existing_store
 def command(
     design: Design, store: Store = None, future: Future = "recent", horizon: Horizon = None, as_json: Json = False
 ) -> None:
-    """Why a robot's health is as it is: what decides it, and what would restore it."""
+    """Explain a robot's health: what decides it, and what would restore it."""
     robot = load(design)
     chosen: FutureName = future
     monitor = Monitor(robot, kept(store, robot) if store else None)

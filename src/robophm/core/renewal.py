@@ -1,4 +1,4 @@
-"""A thing that fails, is repaired and put in new, again and again: its alternating renewal process, from now on.
+"""A thing that fails, is repaired or replaced, again and again: its alternating renewal process, from now on.
 
 Let W(t) be the failures expected until t and V(t) the repairs. The first failure comes by the law F₁ of what stands
 there now, each later one by the law F of a new one, that many hours after a repair; a repair takes an exponential time

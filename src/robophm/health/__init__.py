@@ -1,1 +1,1 @@
-"""The robot as lived: exposure from its sensors, and what follows from it."""
+"""The health of a robot: exposure from its sensors, and what follows from it."""

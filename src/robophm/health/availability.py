@@ -259,7 +259,7 @@ class _Units:
 
 
 def _anew(outlook: Outlook) -> Outlook:
-    """The same view of a robot whose parts have all been put in new just now."""
+    """The same view of a robot whose parts have all just been replaced."""
     nothing = np.zeros(len(outlook.age))
     return replace(
         outlook, age=nothing, new_age=nothing, cumulative_hazard=nothing, seen_age=nothing, unseen_hazard=nothing,

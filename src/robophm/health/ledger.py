@@ -107,7 +107,7 @@ class Seen(NamedTuple):
 
 
 class Service(NamedTuple):
-    """A part put in new, repaired or failed: what its failure mode had behind it, and what it has from then on."""
+    """A part replaced, repaired or failed: what its failure mode had behind it, and what it has from then on."""
 
     time: int
     mode: str

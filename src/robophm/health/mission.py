@@ -138,7 +138,7 @@ def consecutive_completions(outlook: Outlook, tasks: Sequence[Task]) -> list[Com
 
 
 def planned(outlook: Outlook, task: Task) -> Steps:
-    """Return the exposure that legs of a task will add: stresses as stated, else as of late; nominal as designed."""
+    """Return the exposure that legs of a task will add: stresses as stated, else as recently; nominal as designed."""
     plant, legs = outlook.plant, task.legs
     if not legs:
         return Steps(*np.zeros((2, len(plant.robot.modes), 1)))
@@ -248,7 +248,7 @@ def deciding_components(outlook: Outlook, task: Task) -> list[DecidingComponent]
 
 
 def with_new_parts(outlook: Outlook, new: Outlook, task: Task, parts: npt.NDArray[np.intp]) -> tuple[Array, Array]:
-    """Return P(the task fails) and P(it is completed) with each component in turn put in new; shape (components,).
+    """Return P(the task fails) and P(it is completed) with each component in turn replaced; shape (components,).
 
     ``parts`` are indices of components, none of which is in a group of dependent parts; ``new`` is the outlook of a
     robot whose parts are all new.
@@ -300,7 +300,7 @@ def _transition(
 
 
 def _factors(outlook: Outlook, task: Task) -> Array:
-    """Stress factor of every mode in every leg, shape (modes, legs): as stated, else as of late."""
+    """Stress factor of every mode in every leg, shape (modes, legs): as stated, else as recently."""
     plant, legs = outlook.plant, task.legs
     if outlook.inputs is None:
         return np.ones((len(plant.robot.modes), len(legs)))

@@ -1,4 +1,4 @@
-"""Outlooks made from a ledger, or from ages alone: a robot as designed, and as lived."""
+"""Outlooks made from a ledger, or from ages alone: a robot as designed, and sensor-based."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def outlooks(
     plant: Plant, exposure: ExposureIntegrator, ledger: Ledger, *,
     future: FutureName = "recent", knowledge: Knowledge | None = None, wear: Sequence[SeenWear] = (),
 ) -> Mapping[View, Outlook]:  # fmt: skip
-    """Return both views of a robot with a past, as designed and as lived, on the same clocks.
+    """Return both views of a robot with a past, nominal and sensor-based, on the same clocks.
 
     ``future`` is the sensor-based one. Where nothing was observed it is the design's. ``wear`` that sensors see is of
     the sensor-based view alone.
@@ -49,7 +49,7 @@ def as_lived(
     plant: Plant, exposure: ExposureIntegrator, ledger: Ledger, *,
     future: FutureName = "recent", knowledge: Knowledge | None = None,
 ) -> Outlook:  # fmt: skip
-    """Return the sensor-based view alone: the robot as lived."""
+    """Return the sensor-based view alone."""
     initial = _initial(plant, ledger)
     effective = initial + np.where(plant.by_age, ledger.effective.value, ledger.age.value)
     gathered = np.where(plant.by_age, effective, initial)
@@ -64,7 +64,7 @@ def as_lived(
     ahead = plant.usage if future == "nominal" else np.where(usage > 0, usage, plant.usage)  # it will drive again
 
     known, then = _seen(ledger)
-    # A mode whose stress scales the hazard has its past in the ledger's sum, as far as it was lived.
+    # A mode whose stress scales the hazard has its past in the ledger's sum, as far as it is past.
     seen = np.where(known, np.where(plant.by_age, initial + then[:, 1], initial), 0.0)
     return Outlook(
         plant,

@@ -39,7 +39,7 @@ _RISES = 1e-9  # of a hazard, below which it is rounding
 
 @dataclass(frozen=True)
 class PartDue:
-    """When a part is to be put in new. Times are hours of calendar time from now on."""
+    """When a part is to be replaced. Times are hours of calendar time from now on."""
 
     part: str
     """Path of the component."""
@@ -76,7 +76,7 @@ def dues(
     outlook: Outlook, ledger: Ledger | None = None, *, wear: Sequence[SeenWear] = (),
     alarms: Mapping[str, str] | None = None, risk: float = RISK,
 ) -> Dues:  # fmt: skip
-    """Return when each part is to be put in new, so that none fails before with more than the chance ``risk``.
+    """Return when each part is to be replaced, so that none fails before with more than the chance ``risk``.
 
     ``outlook`` includes the ``wear`` that is seen; ``alarms``: causes of errors that go on, by path of a part or a
     failure mode. A part whose hazard does not rise is not due by age: a new one would fail as soon. Common causes are

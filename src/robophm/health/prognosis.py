@@ -1,6 +1,6 @@
 """Prognosis, from exposure to health: hazard rate now, survival since new, remaining life.
 
-An Outlook is one view of a robot: *nominal*, as designed, or *sensor-based*, as lived. Each knows the age of every
+An Outlook is one view of a robot: *nominal*, as designed, or *sensor-based*, as measured. Each knows the age of every
 failure mode and how it will go on; every figure follows from that and a block diagram: those of now in
 ``condition.py``, what time adds in ``ageing.py``, what lies ahead here.
 """

@@ -1,4 +1,4 @@
-"""Gains of replacement: what each part, put in new now, would add to a task's completion and to remaining life."""
+"""Gains of replacement: what replacing each part now would add to a task's completion and to remaining life."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _DOUBLINGS = 2.0 ** np.arange(-40, 7)
 
 @dataclass(frozen=True)
 class Replacement:
-    """A component, all its equal parts put in new now, and what that would gain; negative where it would lose."""
+    """A component, all its equal parts replaced now, and what that would gain; negative where it would lose."""
 
     path: str
     completion: float | None
@@ -82,7 +82,7 @@ class Replacements:
 
 
 class Worth(NamedTuple):
-    """The gain of putting a component in new now, weighed against its cost."""
+    """The gain of replacing a component now, weighed against its cost."""
 
     part: str
     cost: float
@@ -103,7 +103,7 @@ class Worth(NamedTuple):
 
 
 def replaced(outlook: Outlook, component: int) -> Outlook:
-    """The outlook when a component, by its index, is put in new now, as a ledger does on ``replaced``."""
+    """The outlook when a component, by its index, is replaced now, as a ledger does on ``replaced``."""
     plant = outlook.plant
     modes = slice(plant.first_mode[component], plant.first_mode[component + 1])
     new = _new(outlook, modes)
@@ -183,7 +183,7 @@ def _life(outlook: Outlook, diagram: Block) -> tuple[float, float]:
 
 
 class _Ahead:
-    """A diagram's future with one component after the other put in new."""
+    """A diagram's future with one component after the other replaced."""
 
     def __init__(self, outlook: Outlook, fresh: Outlook, diagram: Block) -> None:
         self._outlook, self._fresh, self._diagram = outlook, fresh, diagram
@@ -230,7 +230,7 @@ class _Ahead:
         return fails, survives
 
     def _part(self, component: int) -> _Part | None:
-        """The subsystem around a possibly failed component, with that put in new; None if it cannot work with the
+        """The subsystem around a possibly failed component, with that replaced; None if it cannot work with the
         old."""
         if component not in self._parts:
             names = self._outlook.plant.components[component].units
@@ -359,7 +359,7 @@ class _Ahead:
 
 
 class _Part:
-    """The subsystem around a component that may have failed unseen, with that component put in new."""
+    """The subsystem around a component that may have failed unseen, with that component replaced."""
 
     def __init__(self, swapped: WhatIfReplaced, row: Mapping[int, int]) -> None:
         self._swapped = swapped

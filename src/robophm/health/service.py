@@ -140,7 +140,7 @@ def failures(ledger: Ledger) -> list[Service]:
 
 
 def replace(robot: Robot, ledger: Ledger, path: str, *, failed: bool) -> None:
-    """Put a component in new; ``failed``: that it, or the failure mode named, had failed. Raises RobophmError."""
+    """Replace a component; ``failed``: that it, or the failure mode named, had failed. Raises RobophmError."""
     part, modes = find(robot, path)
     broken = _failed(part, modes, ledger, failed=failed)
     ledger.replace([mode.key for mode in part.modes], [mode.key for mode in broken])

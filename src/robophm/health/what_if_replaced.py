@@ -1,4 +1,4 @@
-"""A part that may have failed unseen, put in new: what its robot did till now was done with the old one.
+"""A part that may have failed unseen, replaced: what its robot did till now was done with the old one.
 
 That the robot works now says something of the other parts too: if this one has failed, they must work. So that is not
 forgotten, the old part stands in what is known, and the new one in what is wanted.
@@ -24,7 +24,7 @@ _NEW = "\0new"  # no name of a part has a control character
 
 
 class WhatIfReplaced:
-    """Diagrams that must work until the end of phases from 1 on, with some units put in new now.
+    """Diagrams that must work until the end of phases from 1 on, with some units replaced now.
 
     Given that the same diagrams work now, with the old units in them, and what else an outlook knows.
     """

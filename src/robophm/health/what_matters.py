@@ -16,7 +16,7 @@ from robophm.health.replacement import Replacements, replacements
 
 @dataclass(frozen=True)
 class WhatMatters:
-    """The importance of each unit, and the gain of putting each component in new."""
+    """The importance of each unit, and the gain of replacing each component."""
 
     importances: Mapping[View, Importances]
     """Importances in each view, all within the same hours of operation."""

@@ -16,7 +16,7 @@ from robophm.monitoring.monitor import Monitor
 def importance(
     of: HealthReport | RobotOrPath, function: str | None = None, *, hours: float | None = None, task: Task | None = None
 ) -> WhatMatters:
-    """How much each part matters to a robot or one of its functions, and what each gains by being put in new.
+    """How much each part matters to a robot or one of its functions, and what replacing each gains.
 
     ``of`` a report, given what is known then, in both views; or of a robot that is new. ``hours`` of operation ahead
     that importances are within, unless given as many as ``robophm importance`` takes; ``task``: the design's, unless

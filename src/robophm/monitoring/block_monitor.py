@@ -248,7 +248,7 @@ class BlockMonitor:
             self.ledger.pending = Window()
 
     def _count(self, arrived: int | None) -> None:
-        """Count what was not taken of what had arrived until then."""
+        """Count the samples that had arrived until then and were rejected."""
         for reason, when in self._missed.items():
             missed = len(when) if arrived is None else int(np.searchsorted(when, arrived, side="right"))
             if missed:

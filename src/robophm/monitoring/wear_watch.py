@@ -36,7 +36,7 @@ class WearWatch:
         self._fault: Exception | None = None
 
     def latest(self, ledger: Ledger) -> tuple[SeenWear, ...]:
-        """Return the last forecasts by a ledger's readings; there is none of a part that was put in new since."""
+        """Return the last forecasts by a ledger's readings; there is none of a part that was replaced since."""
         with self._lock:
             found = dict(self._found)
         kept = [

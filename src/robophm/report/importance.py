@@ -70,7 +70,7 @@ def _matters(found: Mapping[View, Importances], many: bool) -> Iterable[Html | s
 
 
 def replace_first(robot: Robot, outlooks: Mapping[View, Outlook], task: Task | None) -> Iterable[Html | str]:
-    """A table of what each part, put in new now, would gain."""
+    """A table of what replacing each part now would gain."""
     most = MOST if len(outlooks["sensor_based"].plant.units) <= MANY else _FEW
     found = {view: replacements(outlooks[view], robot.diagram, task, most) for view in VIEWS}
     lived = found["sensor_based"]
@@ -90,7 +90,7 @@ def replace_first(robot: Robot, outlooks: Mapping[View, Outlook], task: Task | N
             row += [_signed(before[0], number_text), _signed(one.completion, number_text)]
         row += [_signed(before[1], duration_text), _signed(one.median, duration_text)]
         rows.append([*row, _signed(one.mean, duration_text)])
-    columns = ["put in new now", *(["PoTC nominal", "PoTC sensor"] if task else [])]
+    columns = ["replaced now", *(["PoTC nominal", "PoTC sensor"] if task else [])]
     columns += ["median life nominal", "median life sensor", "mean life sensor"]
     yield table_html(columns, rows, _as_it_is(lived, len(some) - len(rows)), "l" + "r" * (len(columns) - 1))
 

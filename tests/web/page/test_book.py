@@ -11,7 +11,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 from book.__main__ import main
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 pytestmark = pytest.mark.full
 SITE = ROOT / "build" / "book" / "site"
 FIRST_LOAD = 300_000
-"""Bytes, compressed as web servers do, of the first page as it stands; the search index follows it."""
+"""Bytes, compressed as web servers do, of all that a page asks for until nothing more comes."""
 
 
 @pytest.fixture(scope="module")
@@ -50,42 +50,72 @@ def file_of(name: str) -> str:
     return name.replace("README.md", "index.html").replace(".md", ".html")
 
 
-def test_every_page_is_narrow_accessible_and_of_this_host_alone(page: Page, address: str) -> None:
+def seen_of(page: Page, address: str, name: str) -> list[str]:
+    """Opens a page of the site; what it asked for until nothing more came."""
     asked: list[str] = []
     page.on("request", lambda request: asked.append(request.url))
-    found: dict[str, Any] = {}
+    page.goto(address + file_of(name))
+    page.wait_for_load_state("networkidle")
+    return [url for url in asked if not url.startswith(("blob:", "data:"))]
+
+
+def violations_of(page: Page) -> list[str]:
+    page.add_style_tag(content="* { transition: none !important }")  # colours that are on their way are no colours
+    page.evaluate(AXE.read_text(encoding="utf-8"))
+    violations = page.evaluate("axe.run(document, {resultTypes: ['violations']})")["violations"]
+    return [f"{one['id']}: {one['nodes'][0]['html'][:150]}" for one in violations if one["impact"] != "minor"]
+
+
+@pytest.mark.parametrize(("colours", "width"), [("light", 1440), ("dark", 390)])
+def test_every_page_fits_its_window_and_is_accessible(browser: Browser, address: str, colours: str, width: int) -> None:
+    context = browser.new_context(color_scheme=colours)
+    page = context.new_page()
+    found = {}
     for name in navigated():
         page.goto(address + file_of(name))
         page.wait_for_selector("article h1")
-        page.evaluate(AXE.read_text(encoding="utf-8"))
-        violations = page.evaluate("axe.run(document, {resultTypes: ['violations']})")["violations"]
-        wrong = [f"{one['id']}: {one['nodes'][0]['html'][:150]}" for one in violations if one["impact"] != "minor"]
-        if page.evaluate("document.documentElement.scrollWidth") > 390:
-            wrong.append("wider than 390 px")
+        wrong = []
+        for wide in (*{390, 820, 1440} - {width}, width):
+            page.set_viewport_size({"width": wide, "height": 900})
+            if page.evaluate("document.documentElement.scrollWidth") > wide:
+                wrong.append(f"wider than {wide} px")
+        wrong += violations_of(page)
         if wrong:
             found[name] = wrong
+    context.close()
     assert found == {}
-    assert [url for url in asked if not url.startswith((address, "blob:", "data:"))] == []
 
 
-def test_the_first_load_is_small(page: Page, address: str) -> None:
-    asked: list[str] = []
-    page.on("request", lambda request: asked.append(request.url))
-    page.goto(address)
-    page.wait_for_load_state("networkidle")
-    files = {SITE / (url.removeprefix(address) or "index.html") for url in asked} - {SITE / "search.json"}
-    assert len(files) > 3
-    assert sum(len(gzip.compress(file.read_bytes())) for file in files) <= FIRST_LOAD
+def test_the_first_load_of_every_page_is_small_and_of_this_host_alone(browser: Browser, address: str) -> None:
+    heavy = {}
+    for name in navigated():
+        context = browser.new_context(viewport={"width": 1440, "height": 900})
+        asked = seen_of(context.new_page(), address, name)
+        context.close()
+        assert [url for url in asked if not url.startswith(address)] == []
+        files = {SITE / url.removeprefix(address) for url in asked}
+        assert len(files) > 3
+        if (weight := sum(len(gzip.compress(file.read_bytes())) for file in files)) > FIRST_LOAD:
+            heavy[name] = weight
+    assert heavy == {}
 
 
-def test_a_word_is_found_by_the_keyboard_alone(page: Page, address: str) -> None:
+@pytest.mark.parametrize("opened_by", ["key", "slash", "button"])
+def test_a_word_is_found_once_the_search_is_opened(page: Page, address: str, opened_by: str) -> None:
+    """Its index comes only then, and the words that were typed meanwhile are not lost."""
     page.set_viewport_size({"width": 1200, "height": 800})
-    page.goto(address)
-    page.wait_for_load_state("networkidle")
-    page.keyboard.press("Control+k")
+    assert address + "search.json" not in seen_of(page, address, "README.md")
+    with page.expect_request(address + "search.json"):
+        if opened_by == "button":
+            page.get_by_role("button", name="Search").click()
+        else:
+            page.keyboard.press("Control+k" if opened_by == "key" else "/")
     page.get_by_role("combobox", name="Search").wait_for()
     page.keyboard.type("weibull")
     page.get_by_text(re.compile(r"^\d+ results$")).wait_for()
+    page.get_by_role("option").first.click()
+    page.wait_for_url(re.compile(r"\?h="))
+    page.locator("article mark").first.wait_for()
 
 
 def test_the_reference_has_what_the_code_has(address: str) -> None:

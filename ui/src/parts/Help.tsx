@@ -30,8 +30,8 @@ export function Help({ close }: { close: () => void }): ReactNode {
         </tbody>
       </table>
       <p>
-        <strong>Nominal</strong> is the robot as designed (solid lines), <strong>sensor-based</strong> as it has lived by
-        its sensors (dashed). <strong>R</strong> is survival since new; hazard rate, remaining life and task completion
+        <strong>Nominal</strong> is the robot as designed (solid lines), <strong>sensor-based</strong> follows the stress that
+        its sensors measured (dashed). <strong>R</strong> is survival since new; hazard rate, remaining life and task completion
         (PoTC) are given that the robot works now. A silent sensor never counts as zero: its parts are marked stale.
       </p>
       <p>Edits are kept beside the design at once; the file itself changes when you save. Closing the browser stops nothing.</p>

@@ -10,11 +10,11 @@ import typer
 from robophm.cli.shared.command_group import CommandGroup
 
 COMMANDS = {
-    "list": "What recordings hold: topics, fields, units, time spans, gaps.",
-    "find": "Where a value is above, below or between levels, changes fast, is stuck or missing, for at least so long.",
-    "statistics": "Lowest, mean, highest, deviation, course and time at level of signals, and of each stretch of time.",
-    "profile": "Stress profiles: at which levels each part of a robot lived, and for how long.",
-    "export": "Samples of signals as a table, in order of time; all recordings together.",
+    "list": "List what recordings hold: topics, fields, units, time spans and gaps.",
+    "find": "Find where a value is above, below or between levels, changes fast, is stuck or missing.",
+    "statistics": "Lowest, mean and highest value, deviation, trend and time at level of signals, also by interval.",
+    "profile": "Stress profiles: at which levels each part of a robot worked, and for how long.",
+    "export": "Write samples of signals as a table, in order of time, all recordings together.",
 }  # fmt: skip
 
 
@@ -39,4 +39,4 @@ command = typer.Typer(cls=_Listing, no_args_is_help=True, add_completion=False, 
 
 @command.callback()
 def _data() -> None:
-    """Look at measured data: `robophm data BAGS` lists it."""
+    """Examine measured data; `robophm data BAGS` lists it."""

@@ -20,11 +20,11 @@ from robophm.measured.recordings import recordings, signal_of
 def command(
     bags: Bags,
     signal: SignalNames,
-    to: Annotated[Path, typer.Option(help="the table to write, .csv or .parquet")],
+    to: Annotated[Path, typer.Option(help="table to write, .csv or .parquet")],
     force: Overwrite = False,
     as_json: Json = False,
 ) -> None:
-    """Samples of signals as a table, in order of time; all recordings together."""
+    """Write samples of signals as a table, in order of time, all recordings together."""
     may_make(to, *bags, force=force, suffixes=SUFFIXES)
     (together,) = recordings(bags, together=True)
     signals = [signal_of(name, [together]) for name in dict.fromkeys(signal)]

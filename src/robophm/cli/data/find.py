@@ -49,19 +49,23 @@ class Search:
 def command(
     bags: Bags,
     signal: SignalName,
-    above: Annotated[str | None, typer.Option(help="e.g. '70 degC'; with --below, between")] = None,
-    below: Annotated[str | None, typer.Option(help="e.g. '22 V'")] = None,
-    faster: Annotated[str | None, typer.Option(help="changes by more, up or down, e.g. '2 K/s'")] = None,
-    stuck: Annotated[bool, typer.Option("--stuck", help="says the very same again and again")] = False,
-    missing: Annotated[bool, typer.Option("--missing", help="says nothing")] = False,
-    at_least: Annotated[str, typer.Option("--for", help="without interruption, e.g. '10 s'")] = "0 s",
+    above: Annotated[
+        str | None, typer.Option(help="above this value, e.g. '70 degC'; with --below: between the two")
+    ] = None,
+    below: Annotated[str | None, typer.Option(help="below this value, e.g. '22 V'")] = None,
+    faster: Annotated[str | None, typer.Option(help="changes faster than this, up or down, e.g. '2 K/s'")] = None,
+    stuck: Annotated[bool, typer.Option("--stuck", help="repeats exactly the same value")] = False,
+    missing: Annotated[bool, typer.Option("--missing", help="sends no value")] = False,
+    at_least: Annotated[
+        str, typer.Option("--for", help="for at least this long without interruption, e.g. '10 s'")
+    ] = "0 s",
     gap: Gap = "5 s",
     together: Together = False,
     apart: Apart = False,
     most: Most = 20,
     as_json: Json = False,
 ) -> None:
-    """Where a value is above, below or between levels, changes fast, is stuck or missing, for at least so long."""
+    """Find where a value is above, below or between levels, changes fast, is stuck or missing."""
     search = Search(above, below, faster, stuck, missing, at_least)
     path = "a search" + " as JSON, which lists as many as may be" * as_json
     refuse_unused(path, ("signal", *(one.name for one in fields(Search)), "gap", "together",

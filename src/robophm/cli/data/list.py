@@ -26,11 +26,14 @@ MOST_TOPICS = 1000
 def command(
     bags: Bags,
     gap: Annotated[
-        str | None, typer.Option("--gap", help="so long without a message; default 10 times the topic's interval")
+        str | None,
+        typer.Option(
+            "--gap", help="time without a message that counts as a gap; default: 10 times the topic's interval"
+        ),
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """What recordings hold: topics, fields, units, time spans, gaps."""
+    """List what recordings hold: topics, fields, units, time spans and gaps."""
     silence = None if gap is None else max_age(gap)
     each = recordings(bags)
     with counted(progress_console(), "reading") as advance:

@@ -24,14 +24,14 @@ from robophm.report.words import duration_text, number_text
 def command(
     design: Design,
     bags: Bags,
-    to: Annotated[Path | None, typer.Option(help="write it as a load to come, .yaml: see predict --plan")] = None,
+    to: Annotated[Path | None, typer.Option(help="write it as a future load, .yaml, for predict --plan")] = None,
     bins: Bins = 20,
     report: Page = None,
     skip_missing: SkipMissing = False,
     force: Overwrite = False,
     as_json: Json = False,
 ) -> None:
-    """Stress profiles: at which levels each part of a robot lived, and for how long."""
+    """Stress profiles: at which levels each part of a robot worked, and for how long."""
     if not (to or report):
         refuse_unused("profiles that are not written (--to, --report)", ("bins", "skip_missing"))
     may_make(to, design, *bags, *([report] if report else []), force=force, suffixes=(".yaml", ".yml"))

@@ -51,18 +51,18 @@ MOST_LEVELS = 4
 def command(
     bags: Bags,
     signal: SignalNames,
-    every: Annotated[str | None, typer.Option(help="also of each such stretch of time, e.g. '1 min'")] = None,
+    every: Annotated[str | None, typer.Option(help="also for each interval of this length, e.g. '1 min'")] = None,
     bins: Bins = 20,
     gap: Gap = "5 s",
     together: Together = False,
     apart: Apart = False,
-    to: Annotated[Path | None, typer.Option(help="write those of --every, or of all, as a table, .csv")] = None,
+    to: Annotated[Path | None, typer.Option(help="write the figures of --every, or of all, as a table, .csv")] = None,
     report: Page = None,
     force: Overwrite = False,
     most: Most = 20,
     as_json: Json = False,
 ) -> None:
-    """Lowest, mean, highest, deviation, course and time at level of signals, and of each stretch of time."""
+    """Lowest, mean and highest value, deviation, trend and time at level of signals, also by interval."""
     listed = every is not None and not as_json
     path = "statistics" + " of stretches of time (--every)" * listed + " that are written" * bool(to or report)
     saves = bool(to or report)

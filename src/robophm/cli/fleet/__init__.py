@@ -9,14 +9,14 @@ from robophm.cli.shared.command_group import CommandGroup
 ENDS_BY_ITSELF = True
 
 COMMANDS = {
-    "serve": "Take the reports of robots, until it is interrupted.",
+    "serve": "Collect the reports of robots, until interrupted.",
     "token": "Make a robot's token, and print how it reports to the fleet with it.",
-    "status": "How each robot of a fleet is, by what it last sent, and what was lost or refused.",
-    "worst": "The robots that fail most probably within a horizon, worst first, and by what.",
+    "status": "How each robot of a fleet is by its last report, and what was lost or refused.",
+    "worst": "The robots that will most probably fail within a horizon, worst first, and the parts that cause it.",
     "history": "The figures of one robot over time.",
-    "assign": "Which robot takes which task, so that all are most probably completed, and why.",
-    "simulate": "Let simulated robots work, really fail, and report to a running fleet; their records end now.",
-    "replay": "The health of many robots after what they recorded, several at once; begun anew, it goes on.",
+    "assign": "Assign tasks to robots so that all are most probably completed, and explain why.",
+    "simulate": "Simulate robots that work, really fail, and report to a running fleet; their records end now.",
+    "replay": "Compute the health of many robots from their recordings; an interrupted run is continued.",
     "export": "Write the reports of robots as a table, or their ledgers.",
 }
 
@@ -31,4 +31,4 @@ command = typer.Typer(cls=_Fleet, no_args_is_help=True, add_completion=False, ri
 
 @command.callback()
 def _fleet() -> None:
-    """Many robots: take their reports, and say how each is and which fail first."""
+    """Many robots: collect their reports, and see how each is and which will fail first."""

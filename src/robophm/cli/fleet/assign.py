@@ -22,14 +22,18 @@ from robophm.report.words import moment_text, percent_text, probability_text
 
 
 def command(
-    tasks: Annotated[Path, typer.Argument(help="the tasks, .yaml or .csv, each for one robot", metavar="TASKS")],
+    tasks: Annotated[Path, typer.Argument(help="tasks, .yaml or .csv, each for one robot", metavar="TASKS")],
     store: FleetStorePath,
-    design: Annotated[Path, typer.Option(help="the design of the robots", metavar="ROBOT.YAML")],
-    robot: Annotated[list[str] | None, typer.Option(help="that is free; several; default all of that design")] = None,
-    least: Annotated[float, typer.Option(min=0, max=1, help="probability of completion below which none goes")] = 0.0,
+    design: Annotated[Path, typer.Option(help="design file of the robots", metavar="ROBOT.YAML")],
+    robot: Annotated[
+        list[str] | None, typer.Option(help="a robot that is free; may be repeated; default: all of that design")
+    ] = None,
+    least: Annotated[
+        float, typer.Option(min=0, max=1, help="probability of completion below which no robot is sent")
+    ] = 0.0,
     as_json: Json = False,
 ) -> None:
-    """Which robot takes which task, so that all are most probably completed, and why."""
+    """Assign tasks to robots so that all are most probably completed, and explain why."""
     designed = load(design)
     plan = load_plan(tasks, designed)
     if plan.knowledge.failed or plan.knowledge.working:

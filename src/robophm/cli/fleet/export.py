@@ -28,7 +28,7 @@ SUFFIXES = (".csv", ".jsonl")
 def command(
     store: FleetStorePath,
     to: Annotated[Path, typer.Option("--to", help=".csv: all reports; .jsonl: each robot's newest ledger and report")],
-    robot: Annotated[str | None, typer.Option(help="of this robot alone")] = None,
+    robot: Annotated[str | None, typer.Option(help="only this robot")] = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:

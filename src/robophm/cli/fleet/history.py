@@ -34,10 +34,12 @@ def command(
     robot: Annotated[str, typer.Argument(help="name of the robot in the fleet")],
     store: FleetStorePath,
     start: Annotated[
-        str | None, typer.Option("--from", metavar="TIME", help="first time, as 2026-03-04T12:00, UTC")
+        str | None, typer.Option("--from", metavar="TIME", help="start, e.g. 2026-03-04T12:00, UTC")
     ] = None,
-    end: Annotated[str | None, typer.Option("--to", metavar="TIME", help="time before which it ends")] = None,
-    points: Annotated[int, typer.Option(help="at most so many in each curve", min=2, max=MOST_POINTS)] = POINTS,
+    end: Annotated[str | None, typer.Option("--to", metavar="TIME", help="end, itself not included")] = None,
+    points: Annotated[
+        int, typer.Option(help="largest number of points in each curve", min=2, max=MOST_POINTS)
+    ] = POINTS,
     as_json: Json = False,
 ) -> None:
     """The figures of one robot over time."""

@@ -19,16 +19,19 @@ from robophm.report.words import duration_text, rate_text
 
 
 def command(
-    designs: Annotated[Path, typer.Argument(help="the design of all, or a folder of designs named as their robots")],
-    recordings: Annotated[Path, typer.Argument(help="a folder with a folder of recordings for each robot")],
-    stores: Annotated[Path, typer.Option("--stores", help="folder in which each robot's past is kept, NAME.db")],
+    designs: Annotated[
+        Path, typer.Argument(help="the design of all robots, or a folder of designs named as their robots")
+    ],
+    recordings: Annotated[Path, typer.Argument(help="a folder with one folder of recordings for each robot")],
+    stores: Annotated[Path, typer.Option("--stores", help="folder for the stores of the robots, NAME.db")],
     jobs: Annotated[
-        int | None, typer.Option(help="robots at once; default as many as processors", min=1, max=MOST_JOBS)
+        int | None,
+        typer.Option(help="number of robots at once; default: the number of processors", min=1, max=MOST_JOBS),
     ] = None,
     skip_missing: SkipMissing = False,
     as_json: Json = False,
 ) -> None:
-    """The health of many robots after what they recorded, several at once; begun anew, it goes on."""
+    """Compute the health of many robots from their recordings; an interrupted run is continued."""
     robots = recorded_robots(designs, recordings)
     found: list[Replayed] = []
     done = replayed(robots, stores, jobs or os.cpu_count() or 1, skip_missing=skip_missing)

@@ -17,22 +17,27 @@ ENDS_BY_ITSELF = True
 
 def command(
     store: FleetStorePath,
-    host: Annotated[str, typer.Option(help="address to listen on; any but 127.0.0.1 is served over TLS")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(min=0, max=65535, help="0 is any that is free")] = 8708,
+    host: Annotated[
+        str, typer.Option(help="address to listen on; any other than 127.0.0.1 is served over TLS")
+    ] = "127.0.0.1",
+    port: Annotated[int, typer.Option(min=0, max=65535, help="port to listen on; 0: any free one")] = 8708,
     certificate: Annotated[
-        Path | None, typer.Option(help="certificate for TLS, in PEM; else one is made where others reach it")
+        Path | None,
+        typer.Option(help="certificate for TLS, PEM; default: one is made where others can reach the service"),
     ] = None,
-    key: Annotated[Path | None, typer.Option(help="its key, where that is in no file with it")] = None,
+    key: Annotated[
+        Path | None, typer.Option(help="private key of the certificate, if it is in a file of its own")
+    ] = None,
     proxy: Annotated[
         list[str] | None,
-        typer.Option(help="address of a reverse proxy that ends TLS before the service", metavar="ADDRESS"),
+        typer.Option(help="address of a reverse proxy that handles TLS for the service", metavar="ADDRESS"),
     ] = None,
     mqtt: Annotated[
         str | None,
-        typer.Option(help="take reports at a broker too, mqtts://user@broker[/topic]", metavar="URL"),
+        typer.Option(help="also take reports from a broker, mqtts://user@broker[/topic]", metavar="URL"),
     ] = None,
 ) -> None:
-    """Take the reports of robots, until it is interrupted."""
+    """Collect the reports of robots, until interrupted."""
     check_key(key, certificate)
     with web_extra("a fleet's service"):
         from robophm.fleet.serving import FleetSettings, serve_fleet

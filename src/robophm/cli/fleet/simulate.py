@@ -25,14 +25,18 @@ from robophm.report.words import count_text
 def command(
     design: Design,
     store: FleetStorePath,
-    fleet: Annotated[str, typer.Option(help="address of the service that runs on that store", metavar="URL")],
-    robots: Annotated[int, typer.Option(help="how many")] = 20,
-    tasks: Annotated[int, typer.Option(help="that each of them does, and the rest of that round of its plan")] = 10,
+    fleet: Annotated[str, typer.Option(help="address of the service that uses that store", metavar="URL")],
+    robots: Annotated[int, typer.Option(help="number of robots")] = 20,
+    tasks: Annotated[
+        int, typer.Option(help="number of tasks of each robot; it also finishes that round of its plan")
+    ] = 10,
     every: Annotated[str, typer.Option(help="time between two reports of a robot")] = "1 h",
-    seed: Annotated[int | None, typer.Option(help="simulates the same robots again; default: a fresh one")] = None,
+    seed: Annotated[
+        int | None, typer.Option(help="random seed; the same seed simulates the same robots; default: a new one")
+    ] = None,
     as_json: Json = False,
 ) -> None:
-    """Let simulated robots work, really fail, and report to a running fleet; their records end now."""
+    """Simulate robots that work, really fail, and report to a running fleet; their records end now."""
     seed = secrets.randbits(32) if seed is None else seed
     seconds = quantity(every, "s")
     if not 1 <= seconds <= 1e9:

@@ -15,7 +15,7 @@ from robophm.report.words import count_text, duration_text, moment_text
 
 
 def command(store: FleetStorePath, as_json: Json = False) -> None:
-    """How each robot of a fleet is, by what it last sent, and what was lost or refused."""
+    """How each robot of a fleet is by its last report, and what was lost or refused."""
     with FleetStore(store) as fleet:
         robots, refused = status(fleet), refused_of_nobody(fleet)
     if as_json:

@@ -15,9 +15,11 @@ from robophm.fleet.store import FleetStore
 
 
 def command(
-    robot: Annotated[str, typer.Argument(help="name of the robot in the fleet; of one that is known, its token ends")],
+    robot: Annotated[
+        str, typer.Argument(help="name of the robot in the fleet; the former token of a known robot ends")
+    ],
     store: FleetStorePath,
-    site: Annotated[str | None, typer.Option(help="where it works; else as it was")] = None,
+    site: Annotated[str | None, typer.Option(help="site where it works; default: as before")] = None,
     as_json: Json = False,
 ) -> None:
     """Make a robot's token, and print how it reports to the fleet with it."""

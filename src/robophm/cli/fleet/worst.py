@@ -17,11 +17,11 @@ from robophm.report.words import count_text, duration_text, failure_text, moment
 
 def command(
     store: FleetStorePath,
-    horizon: Annotated[str, typer.Option(help="'1 day', '1 week' or '30 day' of calendar time")] = "1 week",
-    most: Annotated[int, typer.Option(min=1, max=100_000, help="robots to list")] = 20,
+    horizon: Annotated[str, typer.Option(help="calendar time considered: '1 day', '1 week' or '30 day'")] = "1 week",
+    most: Annotated[int, typer.Option(min=1, max=100_000, help="number of robots to list")] = 20,
     as_json: Json = False,
 ) -> None:
-    """The robots that fail most probably within a horizon, worst first, and by what."""
+    """The robots that will most probably fail within a horizon, worst first, and the parts that cause it."""
     hours = horizon_of(horizon)
     with FleetStore(store) as fleet:
         found = worst(fleet, hours, most)

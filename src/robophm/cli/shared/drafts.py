@@ -16,7 +16,9 @@ from robophm.drafting.first_look import FirstLook, PartFigures
 from robophm.report.first_look import advice, figure_rows, part_rows
 from robophm.report.words import duration_text
 
-Bag = Annotated[list[Path] | None, typer.Option("--bag", help="a recording, or a folder of them; several")]
+Bag = Annotated[
+    list[Path] | None, typer.Option("--bag", help="a recording, or a folder of recordings; may be repeated")
+]
 
 
 def ask(question: Question) -> str:

@@ -98,7 +98,7 @@ def print_report(report: HealthReport, unit: str) -> None:
         spans = [(f"with {' and '.join(unsure)} unsure", sure.all_sources)] if unsure else []
         if sure.of_rates and sure.of_load:
             spans.append(("if rates were known exactly", sure.rates_known))
-            spans.append(("if the load went on as of late", sure.load_known))
+            spans.append(("if the load stayed as it was recently", sure.load_known))
         for what, interval in spans:
             said = _span(interval)
             out.print(f"  {what}: {left_out.said_ahead(said) if left_out else said}", markup=False)

@@ -16,16 +16,20 @@ from robophm.core.units import quantity
 from robophm.report.bars import bar_text
 from robophm.report.words import number_text
 
-Bags = Annotated[list[Path], typer.Argument(help="recordings, rosbag2 folders, or folders of them")]
-SignalName = Annotated[str, typer.Option("--signal", help="/topic.field, /topic.field[2], /topic.field[name]")]
-SignalNames = Annotated[list[str], typer.Option("--signal", help="/topic.field, [2] or [name] of an array; several")]
-Gap = Annotated[str, typer.Option("--gap", help="a value holds so long at most; after that nothing is known")]
-Together = Annotated[bool, typer.Option("--together", help="the recordings are one drive, not each for itself")]
-Apart = Annotated[bool, typer.Option("--apart", help="each file for itself, also those that follow each other")]
-Overwrite = Annotated[bool, typer.Option("--force", help="also where the file exists")]
-Bins = Annotated[int, typer.Option("--bins", help="levels at most", min=2, max=1000)]
-Most = Annotated[int, typer.Option("--most", help="to list", min=1, max=100_000)]
-Page = Annotated[Path | None, typer.Option("--report", help="write a page about it, HTML")]
+Bags = Annotated[list[Path], typer.Argument(help="recordings, rosbag2 folders, or folders of recordings")]
+SignalName = Annotated[
+    str, typer.Option("--signal", help="a signal: /topic.field, /topic.field[2], /topic.field[name]")
+]
+SignalNames = Annotated[
+    list[str], typer.Option("--signal", help="a signal: /topic.field, with [2] or [name] of an array; may be repeated")
+]
+Gap = Annotated[str, typer.Option("--gap", help="how long a value holds at most; after that nothing is known")]
+Together = Annotated[bool, typer.Option("--together", help="take the recordings as one drive")]
+Apart = Annotated[bool, typer.Option("--apart", help="take each file by itself, even where one follows another")]
+Overwrite = Annotated[bool, typer.Option("--force", help="overwrite a file that exists")]
+Bins = Annotated[int, typer.Option("--bins", help="largest number of levels", min=2, max=1000)]
+Most = Annotated[int, typer.Option("--most", help="largest number to list", min=1, max=100_000)]
+Page = Annotated[Path | None, typer.Option("--report", help="write an HTML page about it")]
 
 
 def nanoseconds(text: str) -> int:

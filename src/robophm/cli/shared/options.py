@@ -32,21 +32,22 @@ Json = Annotated[bool, typer.Option("--json", help="print one JSON document on s
 
 Horizon = Annotated[
     str | None,
-    typer.Option(help="how far ahead to look for what will fail, e.g. '1 year'; default the median remaining life"),
+    typer.Option(
+        help="how far ahead to look for parts that will fail, e.g. '1 year'; default: the median remaining life"
+    ),
 ]
 
-Unit = Annotated[str, typer.Option(help="of hazard rates: 1/h, FIT or FPMH", callback=_known_unit)]
-Legacy = Annotated[bool, typer.Option("--legacy", help="beside the figures of the 2020 tool")]
-Force = Annotated[bool, typer.Option("--force", help="also where that file exists")]
+Unit = Annotated[str, typer.Option(help="unit of hazard rates: 1/h, FIT or FPMH", callback=_known_unit)]
+Legacy = Annotated[bool, typer.Option("--legacy", help="also give the figures of the 2020 tool")]
+Force = Annotated[bool, typer.Option("--force", help="overwrite a file that exists")]
 Via = Annotated[
     str,
     typer.Option(
         "--via",
-        help="how it is heard: auto, ros1, ros2, dds, rclpy, zenoh[://robot], mqtt://broker/topic, foxglove://robot or "
-        "rosbridge://robot",
+        help="how to listen: auto, ros1, ros2, dds, rclpy, zenoh[://robot], mqtt://broker/topic, foxglove://robot or rosbridge://robot",
     ),
 ]
-ChanceSeed = Annotated[int, typer.Option(help="seed of --monte-carlo", min=0)]
+ChanceSeed = Annotated[int, typer.Option(help="random seed of --monte-carlo", min=0)]
 
 
 def stated_store(address: str | None) -> str | None:
@@ -60,39 +61,46 @@ def stated_store(address: str | None) -> str | None:
 
 
 Store = Annotated[
-    str | None, typer.Option("--store", help="the robot's past, as kept by replay", callback=stated_store)
+    str | None, typer.Option("--store", help="store with the robot's past, written by replay", callback=stated_store)
 ]
 Notify = Annotated[
     list[str] | None,
     typer.Option(
-        help="tell of alarms: http://host/path (a webhook, as Alertmanager's), or "
-        "smtp://user@host/?from=robot@example.org&to=team@example.org; several",
+        help="send alarms to http://host/path (a webhook, as Alertmanager's), or "
+        "smtp://user@host/?from=robot@example.org&to=team@example.org; may be repeated",
         metavar="ADDRESS",
     ),
 ]
 GrowingStore = Annotated[
     str | None,
     typer.Option(
-        help="keep the robot's past in this SQLite file, or as KIND:WHERE says, and go on from it",
+        help="store for the robot's past: a SQLite file, or KIND:WHERE; an existing one is continued",
         callback=stated_store,
     ),
 ]
 StoreOfRobot = Annotated[
-    str, typer.Option("--store", help="the robot's past, as kept by replay or watch", callback=stated_store)
+    str, typer.Option("--store", help="store with the robot's past, written by replay or watch", callback=stated_store)
 ]
-SkipMissing = Annotated[bool, typer.Option("--skip-missing", help="bound topics that are not recorded stay silent")]
+SkipMissing = Annotated[
+    bool,
+    typer.Option("--skip-missing", help="continue without bound topics that are not recorded; they count as silent"),
+]
 
-Failed = Annotated[list[str] | None, typer.Option(metavar="PART", help="is known to have failed")]
-Working = Annotated[list[str] | None, typer.Option(metavar="PART", help="is known to work now")]
-Draws = Annotated[int, typer.Option(help="of uncertain rates and loads; 0 for none", min=0, max=100_000)]
-Future = Annotated[Literal["recent", "last", "nominal"], typer.Option("--future", help="stress and usage to come")]
+Failed = Annotated[list[str] | None, typer.Option(metavar="PART", help="a part that is known to have failed")]
+Working = Annotated[list[str] | None, typer.Option(metavar="PART", help="a part that is known to work now")]
+Draws = Annotated[int, typer.Option(help="number of draws of uncertain rates and loads; 0: none", min=0, max=100_000)]
+Future = Annotated[
+    Literal["recent", "last", "nominal"], typer.Option("--future", help="stress and usage assumed from now on")
+]
 
-Order = Annotated[int | None, typer.Option(help="list the sets of at most so many parts, smallest first", min=1)]
+Order = Annotated[int | None, typer.Option(help="list the sets of at most this many parts, smallest first", min=1)]
 Limit = Annotated[
     float,
-    typer.Option("--limit", help="seconds after which proved bounds will do, where the tree is too large", min=0.1),
+    typer.Option(
+        "--limit", help="seconds after which proved bounds are given instead, if the tree is too large", min=0.1
+    ),
 ]
-MostSets = Annotated[int, typer.Option("--most", help="sets to list", min=1, max=100_000)]
+MostSets = Annotated[int, typer.Option("--most", help="number of sets to list", min=1, max=100_000)]
 
 
 def operating_time(option: str, text: str | float, *, above: bool = False) -> float:

@@ -126,7 +126,7 @@ def worn_mode(
 
     ``deviation``: how well the threshold is known; ``load``: that at which readings are compared, where they come with
     their loads; ``others``: units of its kind, as teachers; ``to_come``: conditions under which it goes on, where
-    readings come with some, else as of late; ``stated``: the life that the design states. Raises DataError, with the
+    readings come with some, else as recently; ``stated``: the life that the design states. Raises DataError, with the
     source, where readings are too few or cannot be wear.
     """
     values, to_come = readings.values, _to_come(readings.conditions, to_come or {})
@@ -150,7 +150,7 @@ def worn_mode(
 
 
 def _to_come(conditions: Mapping[str, Array], stated: Mapping[str, float]) -> dict[str, float]:
-    """Conditions as stated, else as of late."""
+    """Conditions as stated, else as recently."""
     return as_of_late(conditions) | dict(stated)
 
 

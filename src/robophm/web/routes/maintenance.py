@@ -65,7 +65,7 @@ class ServiceDone(Shape):
 
 
 class DuePart(Shape):
-    """When a part is to be put in new; times in hours of calendar time from now on."""
+    """When a part is to be replaced; times in hours of calendar time from now on."""
 
     part: str
     quantity: int

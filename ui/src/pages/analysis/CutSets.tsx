@@ -32,7 +32,7 @@ export function CutSets(): ReactNode {
           <table>
             <caption>
               {found.counted}. Probability that all of one have failed since new. {found.left_out} {found.unknown}
-              {!found.sets.length && " A new robot has lived nothing yet: watch it or give it a past, and the likeliest sets stand here."}
+              {!found.sets.length && " A new robot has no operating time yet: watch it or give it a past, and the likeliest sets stand here."}
             </caption>
             <thead>
               <tr>
