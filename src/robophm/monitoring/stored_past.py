@@ -16,6 +16,7 @@ from robophm.health.ledger_parts import Fate, fates, identity_of
 from robophm.health.suspect_time import Verdict, open_stretch, settle
 from robophm.monitoring.replay import kept_ledger
 from robophm.stores import Address, existing_store, place_of
+from robophm.stores.one_of_several import BETWEEN
 from robophm.stores.store import Store
 
 
@@ -46,6 +47,11 @@ def unknown_robot(address: Address, store: Store, robot: Robot) -> StoreError:
     if not (known := store.robots()):
         return StoreError(
             f"{place_of(address)}: holds no robot's past yet; expected one that replay, watch or serve made"
+        )
+    if several := [name for name in known if name.startswith(f"{robot.identity}{BETWEEN}")]:
+        which = f"{place_of(address)}{BETWEEN}{several[0].rpartition(BETWEEN)[2]}"
+        return StoreError(
+            f"{place_of(address)}: holds the pasts of {len(several)} robots '{robot.identity}'; expected which, {which}"
         )
     said = f"{place_of(address)}: knows no robot '{robot.identity}'{nearest(robot.identity, known)}"
     other = f"; where it is '{known[0]}' under another name, `identity: {known[0]}` in its design says so"

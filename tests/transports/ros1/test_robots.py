@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from robophm.core.errors import SourceError
+from robophm.core.errors import SourceError, StoreError
 from robophm.design.file import parse
 from robophm.monitoring.stored_past import stored_past
 from robophm.stores import open_store
@@ -75,6 +75,11 @@ def test_each_robot_that_matches_has_its_own_figures_topics_and_past(system: Sys
     robot = parse(DESIGN)
     with open_store(tmp_path / "past.db") as store:
         assert store.robots() == [f"AMR#{name}" for name in ROBOTS]
+    with (
+        pytest.raises(StoreError, match=r"holds the pasts of 3 robots 'AMR'; expected which, .*past.db#amr_1"),
+        stored_past(tmp_path / "past.db", robot),
+    ):
+        pass
     hotter = []
     for name in ROBOTS:
         with stored_past(f"{tmp_path}/past.db#{name}", robot) as (store, ledger):
