@@ -107,7 +107,7 @@ def get_diagnosis(
     quiet: bool = False,
     hours: Hours = 100.0,
 ) -> FoundTables:
-    """Say what the sensors of a table see, and which faults ``alarms`` that are on mean, or that none is (``quiet``)."""
+    """Say what the sensors of a table see, and which faults ``alarms`` that are on mean, or none (``quiet``)."""
     robot = service.prepared().robot
     on = alarms or ([] if quiet else None)
     with _uploaded(name, body) as path:
