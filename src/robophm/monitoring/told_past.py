@@ -1,4 +1,4 @@
-"""What a store tells of a robot's past beside its health now: figures so far, what has changed, since when."""
+"""The past that a store tells of beside a robot's health now: figures so far, what has changed, since when."""
 
 from __future__ import annotations
 

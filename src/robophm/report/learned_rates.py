@@ -1,4 +1,4 @@
-"""What failures in the field say of rates, as the rows of a table and sentences."""
+"""Rates as failures in the field have them, in the rows of a table and in sentences."""
 
 from __future__ import annotations
 

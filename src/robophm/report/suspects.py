@@ -1,4 +1,4 @@
-"""What alarms mean, and what sees what, as the rows of tables and sentences."""
+"""The meaning of alarms, and which sensor sees what, in the rows of tables and in sentences."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What has changed in a day and in a month, as a table."""
+"""The changes of figures in a day and in a month, as a table."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ Through = Annotated[float, Query(ge=1e-3, le=LONGEST)]
 
 
 class Margin(Shape):
-    """Whether the new robot has a reliability that is required, and by how much."""
+    """The margin by which a new robot has a reliability that is required, or misses it."""
 
     met: bool
     says: str
@@ -32,7 +32,7 @@ class Margin(Shape):
 
 @router.get("/requirement", responses=REFUSED)
 def get_requirement(service: Served, reliability: Wanted = 0.9, hours: Through = 1000.0) -> Margin:
-    """Whether the new robot works through so many hours of operation with a reliability that is required."""
+    """Say whether the new robot works through so many hours of operation with a reliability that is required."""
     required = Requirement(reliability, hours)
     found = new_figures(service.prepared().new, required)
     return Margin(met=found.works >= reliability, says=margin_text(found, required))

@@ -107,7 +107,7 @@ def get_diagnosis(
     quiet: bool = False,
     hours: Hours = 100.0,
 ) -> FoundTables:
-    """What the sensors of a table see, and which faults ``alarms`` that are on mean, or that none is (``quiet``)."""
+    """Say what the sensors of a table see, and which faults ``alarms`` that are on mean, or none (``quiet``)."""
     robot = service.prepared().robot
     on = alarms or ([] if quiet else None)
     with _uploaded(name, body) as path:
@@ -130,7 +130,7 @@ def get_diagnosis(
 @router.post("/learned", responses=REFUSED)
 @needs("viewer")
 def get_learned(body: Upload, service: Served, name: FileName) -> FoundTables:
-    """What a log of failures in the field says of the design's rates."""
+    """Say what a log of failures in the field says of the design's rates."""
     robot = service.prepared().robot
     with _uploaded(name, body) as path:
         done = learn(robot, [path])
