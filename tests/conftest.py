@@ -15,10 +15,9 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import settings
-from tests.cases import examples
 
 # Busy machines are slow: there is no deadline.
-settings.register_profile("robophm", derandomize=True, database=None, deadline=None, max_examples=examples(100))
+settings.register_profile("robophm", derandomize=True, database=None, deadline=None)
 settings.load_profile("robophm")
 
 NO_SHARED = "no shared/ folder beside the project"
