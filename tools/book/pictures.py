@@ -80,15 +80,21 @@ def redundancy(axes: Axes) -> None:
     axes.set(xlabel="hours", ylabel="reliability R", ylim=(0, 1))
 
 
+def curves(folder: Path) -> None:
+    """Draw the pictures of the concepts into ``folder``: with one version of matplotlib the same bytes each time."""
+    with mpl.rc_context({"svg.hashsalt": "robophm", "font.size": 11}):
+        for draw in (weibull, temperature, redundancy):
+            figure, axes = plt.subplots(figsize=(7, 3.6), layout="constrained")
+            draw(axes)
+            axes.legend()
+            axes.grid(alpha=0.3)
+            figure.savefig(folder / f"{draw.__name__}.svg", metadata={"Date": None})
+            plt.close(figure)
+
+
 def main() -> None:
     """Draw all."""
-    mpl.rcParams.update({"svg.hashsalt": "robophm", "font.size": 11})
-    for draw in (weibull, temperature, redundancy):
-        figure, axes = plt.subplots(figsize=(7, 3.6), layout="constrained")
-        draw(axes)
-        axes.legend()
-        axes.grid(alpha=0.3)
-        figure.savefig(CONCEPTS / f"{draw.__name__}.svg", metadata={"Date": None})
+    curves(CONCEPTS)
     report()
 
 
