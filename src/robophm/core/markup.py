@@ -18,7 +18,7 @@ MAX_DEPTH = 100
 """The deepest nesting of elements."""
 
 MAX_ELEMENTS = 1_500_000
-"""The most elements and attributes together: they, and what is made of them, take 400 MB at most."""
+"""The most elements and attributes together, of a file and what it includes."""
 
 MAX_TAG = 1_000_000
 """The most bytes that a tag or a comment may have: what has millions of attributes is refused before they are made."""
