@@ -180,7 +180,7 @@ def test_a_real_zsh_completes(program):
         os.write(terminal, b"robophm im\t")
         until("import")
         os.write(terminal, b"\t")
-        until("import-bom", "import-legacy", "importance", "What matters most")
+        until("import-bom", "import-legacy", "importance", "Rank parts by")
     finally:
         os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)

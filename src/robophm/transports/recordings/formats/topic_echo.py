@@ -1,4 +1,4 @@
-"""What ``ros2 topic echo --csv`` writes, behind a line that says of which type the messages are, and of which topic.
+"""Tables of ``ros2 topic echo --csv``, behind a line that says of which type the messages are, and of which topic.
 
 ::
 
