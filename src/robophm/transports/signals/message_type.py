@@ -109,22 +109,6 @@ def message_type(connection: Connection) -> MessageType:
         raise SourceError(f"topic '{connection.topic}': {what} is missing or damaged") from error
 
 
-def type_called(name: str) -> MessageType:
-    """Return the type of this name of ROS 2, by its definition as it is given, or as Humble or an installation has it.
-
-    Raises SourceError, as the end of a sentence about the topic, where there is none.
-    """
-    from rosbags.interfaces import MessageDefinition, MessageDefinitionFormat
-
-    try:
-        with _COMPILING:
-            return _compiled_type(name, MessageDefinition(MessageDefinitionFormat.NONE, ""), "cdr", places())
-    except SourceError:
-        raise
-    except Exception as error:
-        raise SourceError(f"has the type '{name}', whose definition is damaged") from error
-
-
 @lru_cache(maxsize=256)
 def _compiled_type(
     name: str, definition: MessageDefinition, encoding: str, lies: tuple[tuple[str, ...], tuple[str, ...]]

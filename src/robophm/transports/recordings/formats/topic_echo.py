@@ -21,7 +21,7 @@ from robophm.core.errors import SourceError
 from robophm.core.signal import SECOND, is_topic
 from robophm.transports.recordings.format import SampleFormat
 from robophm.transports.recordings.rows import MOST_COLUMNS, RowSource
-from robophm.transports.signals.message_type import MessageType, field_parts, type_called
+from robophm.transports.signals.message_type import MessageType, field_parts, message_type
 from robophm.transports.signals.source import TopicInfo
 
 _HEADING = re.compile(rb"(\xef\xbb\xbf)?[A-Za-z]\w*/msg/[A-Za-z]\w*[ \t]*(,[^,\r\n]*)?\r?\n")
@@ -69,9 +69,9 @@ class EchoedTopic(RowSource):
         if not is_topic(self._topic):
             raise SourceError(f"{self.path}, line 1: '{self._topic}' is not a topic; expected e.g. '/battery'")
         try:
-            leaves = leaves_of(type_called(self._type))
+            leaves = leaves_of(_type_of(self._topic, self._type))
         except SourceError as error:
-            raise SourceError(f"{self.path}, line 1: topic '{self._topic}' {error}") from None
+            raise SourceError(f"{self.path}, line 1: {error}") from None
         if [leaf.path for leaf in leaves[:2]] != [*_STAMP]:
             says = (
                 f"messages of {self._type} do not begin with a header, so that `ros2 topic echo --csv` writes no time"
@@ -143,6 +143,14 @@ class EchoedTopic(RowSource):
                 raise SourceError(f"{self.path}, line {line}: {says}; expected no text with a comma before it")
             row[leaf.path] = float({"True": "1", "False": "0"}.get(cell, cell))
         return row
+
+
+def _type_of(topic: str, name: str) -> MessageType:
+    """A type of ROS 2 by its name, as of a recording without definitions. Raises SourceError."""
+    from rosbags.interfaces import Connection, ConnectionExtRosbag2, MessageDefinition, MessageDefinitionFormat
+
+    unknown = MessageDefinition(MessageDefinitionFormat.NONE, "")
+    return message_type(Connection(0, topic, name, unknown, "", 0, ConnectionExtRosbag2("cdr", []), None))
 
 
 def leaves_of(type_: MessageType) -> list[Leaf]:
