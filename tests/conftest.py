@@ -4,11 +4,12 @@ import csv
 import gc
 import importlib.util
 import os
+import signal
 import subprocess
 import sys
 import textwrap
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -117,6 +118,17 @@ def answer(record_property: Callable[[str, object], None]) -> Callable[..., None
         record_property(ANSWER, {"kind": kind, "file": file, "disputed": disputed})
 
     return say
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol() -> Generator[None, object, object]:
+    """What a command that ran inside the process left of how signals are taken is not left to the next test."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        return (yield)
+    finally:
+        for number, heeded in before.items():
+            signal.signal(number, heeded)
 
 
 def pytest_collection_finish() -> None:

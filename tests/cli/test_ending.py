@@ -23,6 +23,10 @@ LONGEST = 5.0
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="needs signals")
 
+HEEDED = """
+import signal
+signal.signal(signal.SIGINT, signal.default_int_handler)  # whoever runs the tests may have it ignored
+"""
 ASKED_WHILE = """
 import os, sys
 from robophm.cli import main
@@ -47,7 +51,7 @@ main()
 )
 def test_while_it_is_imported(tmp_path: Path, command: str, number: signal.Signals, module: str) -> None:
     (tmp_path / "robot.yaml").write_bytes(OTA.read_bytes())
-    words = [sys.executable, "-c", ASKED_WHILE, str(int(number)), module, *COMMANDS[command]]
+    words = [sys.executable, "-c", HEEDED + ASKED_WHILE, str(int(number)), module, *COMMANDS[command]]
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (128 + number, "", "interrupted\n")
 

@@ -251,6 +251,7 @@ def listening(tmp_path):
     return tmp_path / "run.journal"
 
 
+@pytest.mark.full
 def test_from_recordings_all_wear_counts_for_the_robot(inside, listening, tmp_path):
     done = inside("wear", "robot.yaml", "run.journal", "--baseline", 40, "--json")
     assert done.returncode == 0, done.stderr

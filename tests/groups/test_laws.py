@@ -93,6 +93,7 @@ def test_lives_that_underflow_at_first() -> None:
 
 @given(groups(2))
 @settings(CALM, max_examples=6)
+@pytest.mark.full
 def test_laws_of_pairs(drawn: Drawn) -> None:
     check_laws(drawn)
 
@@ -106,6 +107,7 @@ def test_laws_of_three(drawn: Drawn) -> None:
 
 @given(groups(4))
 @settings(CALM, max_examples=2)
+@pytest.mark.full
 def test_laws_of_four(drawn: Drawn) -> None:
     check_laws(drawn)
 

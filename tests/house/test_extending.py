@@ -48,7 +48,7 @@ def test_there_is_a_recipe_for_each():
     ]  # fmt: skip
 
 
-LONG = {"A page", "A store", "A life distribution", "A degradation model"}
+LONG = {"A page", "A store", "A life distribution", "A degradation model", "A hazard model"}
 
 
 @pytest.mark.parametrize(

@@ -28,6 +28,7 @@ def folder(tmp_path_factory):
     return made
 
 
+@pytest.mark.full
 def test_commands_print_what_the_page_shows(folder, monkeypatch):
     """The lines in their order; … is any lines."""
     assert len(SHOWN) == 7

@@ -145,7 +145,7 @@ def said(service: Service) -> list[object]:
 
 
 @pytest.mark.parametrize("seed", [2, *(pytest.param(seed, marks=pytest.mark.full) for seed in range(3, 12))])
-@pytest.mark.parametrize("begun", ["ota", "arm", "dependent"])
+@pytest.mark.parametrize("begun", ["ota", *(pytest.param(one, marks=pytest.mark.full) for one in ("arm", "dependent"))])
 def test_edited_as_opened(tmp_path: Path, begun: str, seed: int) -> None:
     chance = random.Random(f"{begun} {seed}")
     path = tmp_path / "robot.yaml"

@@ -128,6 +128,7 @@ def started(folder, *words):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="needs signals")
+@pytest.mark.full
 def test_sigterm_ends_it_though_a_request_never_does(tmp_path):
     child, port = started(tmp_path, "-c", FOR_EVER)
     with child:

@@ -167,7 +167,7 @@ def test_a_robot_renamed_by_hand_is_not_begun_anew_without_a_word(
         assert served.get("/api/design/past")["trouble"] == refused["message"]
 
 
-@pytest.mark.parametrize("store", [True, False])
+@pytest.mark.parametrize("store", [pytest.param(True, marks=pytest.mark.full), False])
 def test_a_recording_that_was_stopped_goes_on_where_it_was(cart: Path, tmp_path: Path, store: bool) -> None:
     """It ends as one that was not, to the last bit; then it begins anew, and is no part of the robot's own past."""
     path = drive(tmp_path / "drive", 0)
@@ -249,6 +249,7 @@ MAY_NOT_WRITE = ["setpriv", *(f"--{which}=-dac_override,-dac_read_search" for wh
 
 
 @pytest.mark.skipif(not shutil.which("setpriv"), reason="needs setpriv, of util-linux")
+@pytest.mark.full
 def test_in_a_folder_that_cannot_be_written_it_runs_on_and_says_so(cart: Path) -> None:
     cart.parent.chmod(0o555)
     with subprocess.Popen(

@@ -46,6 +46,7 @@ def test_intervals_hold_and_medians_are_no_worse_than_alone(noise):
 
 
 @pytest.mark.skipif(not CRACKS.is_file(), reason="the data of Virkler's cracks are not here")
+@pytest.mark.full
 def test_real_cracks_by_thirty_others():
     """Virkler, Hillberry and Goel 1979: at half of life the error of the median is below .1, and intervals hold."""
     units = {}

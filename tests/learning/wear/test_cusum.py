@@ -116,6 +116,7 @@ def test_a_shift_so_large_that_nothing_else_alarms():
     assert detector.delay == 1
 
 
+@pytest.mark.full
 def test_bearings_that_drift_while_they_are_sound(measured_wear):
     """IMS, test 2, until bearing 1 is damaged and shakes the others, after some 500 of 984 readings.
 

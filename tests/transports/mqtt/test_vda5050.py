@@ -275,6 +275,7 @@ def test_watch_ages_by_what_it_says_and_tells_its_health(broker: Broker, robot: 
     assert (kept["begin"], kept["cause"]) == (alarms[0]["begin"], alarms[0]["cause"])
 
 
+@pytest.mark.full
 def test_a_design_is_drafted_of_what_the_broker_has(
     broker: Broker, robot: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -131,6 +131,7 @@ def write(path: Path, messages: Mapping[str, Sequence[bytes]], schemas: Mapping[
     return path
 
 
+@pytest.mark.full
 def test_every_number_of_every_type_of_foxglove_is_as_flatc_reads_it(tmp_path: Path) -> None:
     chance = random.Random(7)
     made = {name: [message(name, chance) for _ in range(2)] for name in types()}

@@ -424,6 +424,7 @@ def test_messages_that_would_decode_to_gigabytes(ros: System, evil: Callable[...
     assert found["notes"]["unreadable message on /words"] == 1
 
 
+@pytest.mark.full
 def test_messages_that_never_end(ros: System, evil: Callable[..., Evil]) -> None:
     """Ten connections hold back the end of a message of 64 MiB each."""
     done: list[str] = []

@@ -129,6 +129,7 @@ say("said")
     assert ledgers[0] == ledgers[1]
 
 
+@pytest.mark.full
 def test_it_goes_on_where_it_was(ros: System, robot: Robot, tmp_path: Path) -> None:
     ros.talk(TALKER)
     operating = []
@@ -147,6 +148,7 @@ def test_it_goes_on_where_it_was(ros: System, robot: Robot, tmp_path: Path) -> N
     assert operating[1] > operating[0] + 2 / 3600
 
 
+@pytest.mark.full
 def test_a_watcher_that_was_killed_loses_nothing_that_its_journal_has(
     ros: System, robot: Robot, tmp_path: Path
 ) -> None:

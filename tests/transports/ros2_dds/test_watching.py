@@ -104,6 +104,7 @@ def test_where_nothing_is_published_it_is_said_what_could_hide_it(
     assert f"hint: robots in other domains than {domain + 100} are not heard: set ROS_DOMAIN_ID\n" in warned
 
 
+@pytest.mark.full
 def test_a_design_is_drafted_of_a_robot_that_runs(motor: Peer, cyclonedds: None, tmp_path: Path) -> None:
     """A lidar by the type of its topic, and the motor's temperature with what was heard of it."""
     motor.writer("/scan", "sensor_msgs::msg::dds_::LaserScan_", name="s")

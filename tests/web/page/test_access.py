@@ -7,6 +7,8 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
 from ..conftest import SMALL, serving
 from .conftest import Visit
 
@@ -40,6 +42,7 @@ CHANGING = """() => [...document.querySelectorAll("button, input:not([type=searc
 """What can be pressed or filled in."""
 
 
+@pytest.mark.full
 def test_what_a_role_does_not_allow_is_greyed_and_says_for_whom_it_is(
     tmp_path: Path, visit: Callable[..., Visit]
 ) -> None:

@@ -63,6 +63,7 @@ def large(tmp_path):
         yield served
 
 
+@pytest.mark.full
 def test_two_thousand_parts_are_tiles_from_afar_and_boxes_from_near(visit, large):
     drawn = large.get("/api/design/drawing", whole=True, width=1200)
     assert len(drawn["boxes"]) == 2000

@@ -53,6 +53,7 @@ def test_what_decides_and_what_is_replaced_first_in_two_clicks(cart, visit, monk
         assert b"BEGIN:VCALENDAR" in coming.value.path().read_bytes()
 
 
+@pytest.mark.full
 def test_without_a_past_nothing_can_be_noted_and_it_is_said(cart, visit):
     cart.write_text(CART.replace("        life: {distribution: weibull, shape: 3}\n", ""))
     with serving(cart, store=f"{cart}.past", own_store=True) as served:

@@ -80,6 +80,7 @@ def test_a_box_is_dragged_into_a_module_and_into_a_group(courier, visit, late):
     assert list(module(courier, "drive")["components"]) == ["motor", "encoder"]
 
 
+@pytest.mark.full
 def test_the_same_by_the_keyboard(courier, visit):
     look = visit(courier)
     page = look.open("design/see")
@@ -102,6 +103,7 @@ def test_the_same_by_the_keyboard(courier, visit):
     assert module(courier, "see")["diagram"] == {"parallel": ["lidar", "camera"]}
 
 
+@pytest.mark.full
 def test_a_network_is_drawn_and_edited(bridge, visit):
     look = visit(bridge)
     page = look.open("design")

@@ -65,6 +65,7 @@ def from_files_to_a_robot_that_is_watched(look, files):
     assert look.serious() == []
 
 
+@pytest.mark.full
 def test_from_files_to_the_first_health_of_a_robot_that_is_watched(nothing, visit, shared, drive, tmp_path):
     (tmp_path / "main.csv").write_text(PARTS)
     from_files_to_a_robot_that_is_watched(
@@ -95,6 +96,7 @@ def test_a_service_without_a_robot_invites_and_names_the_files_that_it_takes(not
     assert look.serious() == []
 
 
+@pytest.mark.full
 def test_what_cannot_be_read_is_refused_in_words_and_leaves_nothing_behind(nothing, visit, tmp_path):
     (tmp_path / "bad.urdf").write_text('<robot name="r"><link name=></robot>')
     (tmp_path / "wheel.stl").write_bytes(b"solid wheel")

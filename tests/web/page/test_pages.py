@@ -62,7 +62,12 @@ def looks(ota, nothing, broken, browser):
         one.close()
 
 
-@pytest.mark.parametrize("name", PAGES)
+OFTEN = {"overview", "design", "live", "analysis"}
+
+
+@pytest.mark.parametrize(
+    "name", [name if name in OFTEN else pytest.param(name, marks=pytest.mark.full) for name in PAGES]
+)
 def test_a_page_with_a_robot_without_one_and_with_one_that_is_not_complete(looks, name):
     robot, nothing, broken = looks
     page = robot.open(name)
@@ -126,6 +131,7 @@ def test_what_is_wrong_in_a_design_is_found_and_mended(broken, visit):
     page.get_by_role("button", name="Problems of the design: 1 to mend").wait_for()
 
 
+@pytest.mark.full
 def test_a_page_whose_service_ends_says_so_and_comes_back(tmp_path, visit):
     design = tmp_path / "courier.yaml"
     design.write_text(SMALL)
@@ -138,6 +144,7 @@ def test_a_page_whose_service_ends_says_so_and_comes_back(tmp_path, visit):
     look.wrong.clear()  # the browser reports that it could not connect
 
 
+@pytest.mark.full
 def test_what_if_of_several_changes(tmp_path, visit):
     """Two motors at 8 FPMH and an encoder at 2: at 4 and 1, half of that; what is redundant does not fail yet."""
     design = tmp_path / "courier.yaml"
@@ -163,6 +170,7 @@ def test_what_if_of_several_changes(tmp_path, visit):
         assert [parts[one]["rate"] for one in ("motor", "encoder")] == ["4 FPMH", "2 FPMH"]
 
 
+@pytest.mark.full
 def test_a_table_taken_along_holds_no_formula(tmp_path, visit):
     """Names that a spreadsheet would compute are told to be text, numbers are not."""
     design = tmp_path / "robot.yaml"

@@ -40,6 +40,7 @@ def test_a_part_renamed_on_the_page_goes_on_after_stop_and_start(visit, tmp_path
         assert page.get_by_role("button", name="What becomes of the past").count() == 0
 
 
+@pytest.mark.full
 def test_what_a_hand_edit_leaves_open_is_answered_in_a_dialog(visit, tmp_path, monkeypatch):
     design = tmp_path / "cart.yaml"
     design.write_text(CART)

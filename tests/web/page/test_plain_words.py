@@ -30,6 +30,7 @@ def courier(tmp_path_factory):
         yield served
 
 
+@pytest.mark.full
 def test_what_was_stopped_is_not_called_well(courier, visit):
     courier.post("/api/monitoring/start", {"source": "recordings", "speed": 1})
     look = visit(courier)

@@ -97,6 +97,7 @@ def test_parts_of_unknown_rate_mark_what_they_are_in_and_nothing_else(served, vi
         page.get_by_text(re.compile("It fails within that time with ≥ [0-9]")).wait_for()
 
 
+@pytest.mark.full
 def test_importances_that_are_infinite_are_not_those_that_do_not_apply(served, visit):
     lone = "schema_version: 1\nname: lone\ncomponents: {motor: {rate: 8 FPMH}}\n"
     for text, raw, rrw in ((lone, "[0-9,.]+", "∞"), (lone.replace("8 FPMH", "unknown"), "∞", "–")):
@@ -112,6 +113,7 @@ def test_importances_that_are_infinite_are_not_those_that_do_not_apply(served, v
     page.get_by_text("1 part of unknown rate is left out of the totals: what is not said to be").wait_for()
 
 
+@pytest.mark.full
 def test_tasks_are_marked_where_parts_of_unknown_rate_are_left_out(visit, tmp_path):
     """The OTA is a series of its parts: what it leaves out can only fail more tasks."""
     design = tmp_path / "robot.yaml"
@@ -186,6 +188,7 @@ components:
 """
 
 
+@pytest.mark.full
 def test_silences_are_those_that_were_heard_and_lines_do_not_cross_a_night(tmp_path, visit):
     """Two hours, a night, an hour in which the fan's sensor dies; in every window, however few points are drawn."""
     design, table = tmp_path / "robot.yaml", tmp_path / "drive.csv"
@@ -258,6 +261,7 @@ canvas => {
 """The share of a plot's width that is shaded, seen above its curves, which are opaque."""
 
 
+@pytest.mark.full
 def test_an_address_that_is_no_encoded_text_opens_its_page(served, visit):
     with served(SMALL) as courier:
         look = visit(courier)
@@ -284,6 +288,7 @@ def test_what_is_not_well_is_seen_in_the_tab(served, visit):
         wait_for_title(page, "Design – courier")
 
 
+@pytest.mark.full
 def test_a_plot_is_taken_along_with_what_it_says(tmp_path, visit):
     """Its moments as dates; its picture with ground, title and legend."""
     design, table = tmp_path / "robot.yaml", tmp_path / "drive.csv"
@@ -345,6 +350,7 @@ components: {left: {rate: 8 FPMH}, right: {rate: 8 FPMH}}
 """
 
 
+@pytest.mark.full
 def test_the_space_bar_chooses_once_and_a_new_part_is_of_unknown_rate(served, visit):
     """A box of the diagram, a row of the tree, a file; once more takes it back."""
     with served(SPACE) as two:

@@ -32,6 +32,7 @@ def write(page, after, words):
     page.keyboard.type(words)
 
 
+@pytest.mark.full
 def test_keys_and_values_are_offered_problems_stand_at_their_line_and_comments_are_kept(visit, courier):
     look = visit(courier)
     page, text = begin(look)
@@ -84,6 +85,7 @@ def test_keys_and_values_are_offered_problems_stand_at_their_line_and_comments_a
     assert page.evaluate("document.activeElement.shadowRoot") is None
 
 
+@pytest.mark.full
 def test_what_others_edit_is_taken_in_and_asked_about_where_it_touches_what_is_written(visit, courier):
     look = visit(courier)
     page, text = begin(look)
@@ -144,6 +146,7 @@ def test_what_was_not_applied_is_there_after_a_reload_and_told_of_before_it_is_l
     assert asked == ["beforeunload"]
 
 
+@pytest.mark.full
 def test_a_message_under_a_pointer_that_rests_is_that_of_the_newest_check(visit, courier):
     """Also where a check was not answered: it is made again, and what was found before it stays."""
     look = visit(courier)

@@ -58,6 +58,7 @@ def test_undo_is_of_ones_own_edits(courier, visit):
     assert quantities(courier) == [3, 1]
 
 
+@pytest.mark.full
 def test_an_edit_that_the_other_has_touched_is_not_taken_back(courier, visit):
     here, there = (visit(courier).open("parts") for _ in range(2))
     set_quantity(here, "drive/motor", 3)

@@ -39,6 +39,7 @@ def framing() -> Iterator[tuple[str, list[str]]]:
         server.shutdown()
 
 
+@pytest.mark.full
 def test_it_stands_inside_the_pages_that_are_named_and_in_no_others(tmp_path: Path, browser) -> None:
     design = tmp_path / "courier.yaml"
     design.write_text(f"{SMALL}thresholds: {{hazard_rate: 1e-9 /h}}\n")

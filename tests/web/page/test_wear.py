@@ -29,6 +29,7 @@ components:
 BEGIN, HOURS = 1_700_000_000, 5
 
 
+@pytest.mark.full
 def test_wear_is_drawn_with_its_band_and_threshold(tmp_path, visit):
     """A current that grows by 0.4 A an hour from 5 A is at 9 A after 10 hours; the fan's does not grow."""
     design, past = tmp_path / "robot.yaml", tmp_path / "past.db"

@@ -120,7 +120,9 @@ def check(path: Path, content: bytes, expected: dict[str, list[tuple[int, float]
         assert not source.notes
 
 
-@pytest.mark.parametrize("holds", HOLDS)
+@pytest.mark.parametrize(
+    "holds", [pytest.param(one, marks=pytest.mark.full) if one == "ten messages" else one for one in HOLDS]
+)
 def test_every_combination_of_what_may_be_left_out(holds: str, tmp_path: Path) -> None:
     path = tmp_path / "x.mcap"
     for flags, index, extras in variants():
