@@ -8,7 +8,6 @@ import resource
 import struct
 import threading
 import time
-from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -55,7 +54,7 @@ FINE = {"topic": "/a", "encoding": "cdr", "schemaName": "std_msgs/msg/Float64", 
 class OverRosbridge:
     """The words of rosbridge, as it publishes a number."""
 
-    protocols: tuple[str, ...] = ()
+    protocols: tuple[Any, ...] = ()
 
     def __init__(self, place: str) -> None:
         self.place = f"rosbridge://{place}"
@@ -109,7 +108,7 @@ class OverFoxglove(OverRosbridge):
         return draw.choice([*made, *made, short, draw.randbytes(draw.randrange(200))])
 
 
-def survived(over: Callable[[str], OverRosbridge], many: int) -> tuple[list[float], list[float], LiveSource]:
+def survived(over: type[OverRosbridge], many: int) -> tuple[list[float], list[float], LiveSource]:
     """Send so many damaged frames; return the good values that were sent, those that were heard, and the source."""
     from websockets.sync.server import serve
 
@@ -131,7 +130,7 @@ def survived(over: Callable[[str], OverRosbridge], many: int) -> tuple[list[floa
         for _ in connection:
             pass
 
-    with serve(say, "127.0.0.1", 0, subprotocols=over.protocols or None, compression=None) as server:  # type: ignore[attr-defined]
+    with serve(say, "127.0.0.1", 0, subprotocols=over.protocols or None, compression=None) as server:
         room = over(f"127.0.0.1:{server.socket.getsockname()[1]}")
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
@@ -148,7 +147,7 @@ def survived(over: Callable[[str], OverRosbridge], many: int) -> tuple[list[floa
 
 @pytest.mark.parametrize("over", [OverRosbridge, OverFoxglove])
 @pytest.mark.parametrize("many", [200, pytest.param(10_000, marks=pytest.mark.full)])
-def test_good_messages_beside_hostile_ones_all_count(over: Callable[[str], OverRosbridge], many: int) -> None:
+def test_good_messages_beside_hostile_ones_all_count(over: type[OverRosbridge], many: int) -> None:
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     sent, heard, source = survived(over, many)
     grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before

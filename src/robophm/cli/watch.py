@@ -181,21 +181,21 @@ def _ended_by_signals(source: LiveSource) -> Iterator[None]:
     before it was listened to is no error.
     """
     asked, closed = threading.Event(), threading.Event()
-    timers: list[threading.Timer] = []
 
     def close() -> None:
         closed.set()
         source.close()
+
+    letting_go = threading.Timer(QUICK_END, close)
+    letting_go.daemon = True
 
     def stop(*_signal: object) -> None:
         if asked.is_set():
             close()
             return
         asked.set()
-        letting_go = threading.Timer(QUICK_END, close)
-        letting_go.daemon = True
         letting_go.start()
-        timers.extend((letting_go, leave_in_time()))
+        leave_in_time()
         source.stop()
 
     with ExitStack() as stack:
@@ -209,8 +209,7 @@ def _ended_by_signals(source: LiveSource) -> Iterator[None]:
                 raise
             warn("ended before the robot was watched")
         finally:
-            for timer in timers[:1]:
-                timer.cancel()
+            letting_go.cancel()
 
 
 def run(design: Path, asked: Watched) -> bool:

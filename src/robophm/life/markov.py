@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import count
 from numbers import Real
-from typing import ClassVar, NamedTuple, Self
+from typing import ClassVar, NamedTuple, Self, cast
 
 import numpy as np
 
@@ -57,7 +57,7 @@ class Markov(LifeDistribution):
 
     @property
     def _transitions(self) -> Transitions:
-        return self.states  # type: ignore[return-value]  # as checked
+        return cast(Transitions, self.states)  # as checked
 
     @property
     def _chain(self) -> _Chain:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 from robophm.core.errors import StoreError
@@ -54,9 +54,11 @@ class OneOfSeveral(Store):
         """Keep all of it, or none. Raises StoreError as the store does."""
         self._store.save(self._own(robot), ledger, progress, reports, events, answers)
 
-    def alone(self, robot: str) -> AbstractContextManager[None]:  # type: ignore[override]  # as a context manager
+    @contextmanager
+    def alone(self, robot: str) -> Iterator[None]:
         """Be the only one who goes on with this robot's past. Raises HeldError if not."""
-        return self._store.alone(self._own(robot))
+        with self._store.alone(self._own(robot)):
+            yield
 
     def alarm_log(self, robot: str) -> AlarmLog:
         """Return the log of the robot's alarms."""

@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -100,19 +101,19 @@ def test_what_is_lost_is_told_within_a_second(ros: System, tmp_path: Path) -> No
         talker = ros.talk(TALKER)
         assert talker.stdin is not None
         assert talker.stdout is not None
+
+        def first(where: str, after: float) -> list[float]:
+            known = [("terminal", *one) for one in written] if where == "terminal" else list(found)
+            return [t for w, t, said in known if w == where and t > after and "sequence gap on /motor" in said]
+
         within(20, lambda: any("h of operation" in words for _, words in written))
         for gap in GAPS:
             talker.stdin.write(f"{gap}\n")
             talker.stdin.flush()
             at = float(talker.stdout.readline())
             for where, times in took.items():
-                known = (lambda: list(found)) if where != "terminal" else lambda: [("terminal", *w) for w in written]
-
-                def first(where=where, known=known, at=at):  # type: ignore[no-untyped-def]
-                    return [t for w, t, said in known() if w == where and t > at and "sequence gap on /motor" in said]
-
-                within(10, first)
-                times.append(first()[0] - at)
+                within(10, partial(first, where, at))
+                times.append(first(where, at)[0] - at)
     assert {where: round(min(times), 2) for where, times in took.items() if min(times) > 1} == {}
 
 

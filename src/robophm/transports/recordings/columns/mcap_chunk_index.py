@@ -26,15 +26,14 @@ def indexed_chunks(records: Sequence[memoryview], size: int) -> list[Chunk]:
     Those whose content does not lie in their own record, or in the file, are ``cut``. Raises DamageError where a record
     is too short for what it holds.
     """
-    found: list[Chunk] = [None] * len(records)  # type: ignore[list-item]
+    found: dict[int, Chunk] = {}
     alike: dict[tuple[int, int, int], list[int]] = {}
     for number, record in enumerate(records):
         alike.setdefault(_layout(record), []).append(number)
     for (length, places, name), numbers in alike.items():
         some = np.frombuffer(b"".join(records[number] for number in numbers), np.uint8).reshape(-1, length)
-        for number, chunk in zip(numbers, _chunks(some, places, name, size), strict=True):
-            found[number] = chunk
-    return found
+        found.update(zip(numbers, _chunks(some, places, name, size), strict=True))
+    return [found[number] for number in range(len(records))]
 
 
 def _layout(record: memoryview) -> tuple[int, int, int]:

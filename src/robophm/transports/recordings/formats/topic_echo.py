@@ -15,6 +15,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple
 
 from robophm.core.errors import SourceError
@@ -63,7 +64,7 @@ class EchoedTopic(RowSource):
     """
 
     def _signals(self) -> frozenset[str]:
-        with_type = next(self._texts(), "").removeprefix("\ufeff").strip().split(",")
+        with_type = next(self._texts(), "").strip().split(",")
         self._type = with_type[0].strip()
         self._topic = with_type[1].strip() if len(with_type) > 1 else "/" + re.sub(r"[.\s]", "_", self.path.stem)
         if not is_topic(self._topic):
@@ -130,10 +131,7 @@ class EchoedTopic(RowSource):
                     f"{self.path}, line {line}: {len(middle)} cells of the array '{each[0].path.partition('[')[0]}'; "
                     f"expected {len(each)} for each element"
                 )
-            for number in range(len(middle) // len(each)):
-                some = middle[number * len(each) : (number + 1) * len(each)]
-                of_element = (leaf._replace(path=leaf.path.replace("[]", f"[{number}]", 1)) for leaf in each)
-                found += zip(of_element, some, strict=True)
+            found += zip(_elements(each, len(middle) // len(each)), middle, strict=True)
         row = {}
         for leaf, cell in found:
             if leaf.type not in _WRITTEN:
@@ -166,6 +164,14 @@ def leaves_of(type_: MessageType) -> list[Leaf]:
                     yield Leaf(f"{prefix}{field}{end}", part)
 
     return [*within(type_.name, "")]
+
+
+@lru_cache(maxsize=16)
+def _elements(each: tuple[Leaf, ...], count: int) -> tuple[Leaf, ...]:
+    """The fields of so many elements of an array, of which ``each`` has ``[]``."""
+    return tuple(
+        leaf._replace(path=leaf.path.replace("[]", f"[{number}]", 1)) for number in range(count) for leaf in each
+    )
 
 
 def _row_of(leaves: Sequence[Leaf]) -> _Row:
