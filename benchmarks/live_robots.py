@@ -15,6 +15,8 @@ import tempfile
 import time
 from pathlib import Path
 
+from benchmarks.page_live import taken
+
 TOPICS = 5
 RATE = 20
 """Messages a second on each topic."""
@@ -64,9 +66,9 @@ def measured(robots: int, seconds: float) -> tuple[float, float]:
             )  # fmt: skip
             started.append(watcher)
             time.sleep(SETTLE)
-            before = _used(watcher.pid)
+            before = taken({watcher.pid})
             time.sleep(seconds)
-            took = (_used(watcher.pid) - before) / seconds
+            took = (taken({watcher.pid}) - before) / seconds
             memory = int((Path("/proc") / str(watcher.pid) / "statm").read_text().split()[1])
             watcher.send_signal(signal.SIGINT)
             watcher.wait(60)
@@ -75,12 +77,6 @@ def measured(robots: int, seconds: float) -> tuple[float, float]:
             process.kill()
             process.wait()
     return took, memory * os.sysconf("SC_PAGE_SIZE") / 1e6
-
-
-def _used(pid: int) -> float:
-    """Seconds of a processor that a process has taken."""
-    fields = (Path("/proc") / str(pid) / "stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 if __name__ == "__main__":

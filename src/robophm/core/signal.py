@@ -28,6 +28,7 @@ REORDERED = "order changed: "
 NOT_FINITE = "not finite: "
 """Prefix of a count: values of a signal that are NaN, infinite, or texts that are no number."""
 
+_ROBOT = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*)*\Z", re.ASCII)
 _TOPIC = re.compile(r"[^.\s\x00-\x1f]+\Z")
 _ELEMENT = r"""'[^'\x00-\x1f\x7f]+'|"[^"\x00-\x1f\x7f]+"|[^\[\]\x00-\x1f\x7f]+"""
 _STEP = rf"[A-Za-z_][A-Za-z0-9_]*(?:\[(?:{_ELEMENT})\])?"
@@ -77,6 +78,11 @@ def wanted_unit(signal: str) -> str | None:
 def is_topic(text: str) -> bool:
     """Whether a text can be the topic of a signal: it has no dots and blanks."""
     return bool(_TOPIC.match(text))
+
+
+def is_robot_name(text: str) -> bool:
+    """Whether a text can be the name of one of several robots, and its namespace: ``amr_7``, ``hall/amr_7``."""
+    return bool(_ROBOT.match(text))
 
 
 def signal_name(topic: str, field: str) -> str:

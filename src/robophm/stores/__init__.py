@@ -8,12 +8,12 @@ progress of replays and new reports in one step: after a crash all of it is ther
 from __future__ import annotations
 
 import os
-import re
 from pathlib import Path
 
 from robophm.core.argument_checks import shown
 from robophm.core.errors import RobophmError, StoreError, nearest
 from robophm.core.registry import has_plug, load_class, plugs
+from robophm.core.signal import is_robot_name
 from robophm.stores.one_of_several import BETWEEN, one_of_several
 from robophm.stores.store import Restored, Store
 
@@ -24,8 +24,6 @@ NOT_PLUGS = (
     "one_of_several", "outbox", "pyramid", "service_requests", "sqlite_alarms", "trend", "upkeep",
 )  # fmt: skip
 """The interface, and what its plugs are built of."""
-
-_ROBOT = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*)*\Z", re.ASCII)
 
 Address = str | os.PathLike[str]
 """Which store, and where: ``sqlite:robots.db``; a path alone is one in SQLite. Of several robots that share one the
@@ -95,7 +93,7 @@ def _split(address: Address) -> tuple[str, str, str]:
 def _robot_in(text: str) -> tuple[str, str]:
     """An address without the name of a robot behind it, and that name; a file that is called so has none."""
     place, between, robot = text.rpartition(BETWEEN)
-    return (place, robot) if between and place and _ROBOT.match(robot) and not Path(text).exists() else (text, "")
+    return (place, robot) if between and place and is_robot_name(robot) and not Path(text).exists() else (text, "")
 
 
 def _kind_and_place(address: Address) -> tuple[type[Store], str]:

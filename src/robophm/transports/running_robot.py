@@ -12,7 +12,6 @@ from typing import Any, Literal
 
 from robophm.core.errors import SourceError, nearest
 from robophm.transports.live.enforced_security import refuse_enforced_security
-from robophm.transports.ros2_dds.environment import RECEIVED_AT_ONCE
 from robophm.transports.signals.source import LiveSource
 
 CHOICES = ("auto", "ros1", "ros2", "dds", "rclpy", "zenoh", "foxglove", "rosbridge")
@@ -230,9 +229,10 @@ def _lost_on_the_way() -> str:
         most = int(Path("/proc/sys/net/core/rmem_max").read_text())
     except (OSError, ValueError):
         return told
-    hint = (
-        "; large pictures over DDS want more: sysctl -w net.core.rmem_max=33554432" if most < RECEIVED_AT_ONCE else ""
-    )
+    from robophm.transports.ros2_dds.environment import RECEIVED_AT_ONCE
+
+    more = f"; large pictures over DDS want more: sysctl -w net.core.rmem_max={RECEIVED_AT_ONCE}"
+    hint = more if most < RECEIVED_AT_ONCE else ""
     return f"{told}; net.core.rmem_max is {most:,} bytes{hint}"
 
 

@@ -25,12 +25,12 @@ class DroppedPackets:
 def _dropped() -> dict[str, int]:
     """Packets that were dropped so far, by the identity of each socket of this process."""
     try:
-        own = {_opened(one) for one in Path("/proc/self/fd").iterdir()}
         lines = [line for table in _TABLES if Path(table).exists() for line in Path(table).read_text().splitlines()[1:]]
+        counts = {one[9]: int(one[-1]) for one in map(str.split, lines) if one[-1] != "0"}
+        own = {_opened(one) for one in Path("/proc/self/fd").iterdir()} if counts else ()
     except OSError:  # there is no /proc outside Linux
         return {}
-    counts = (line.split() for line in lines)
-    return {one[9]: int(one[-1]) for one in counts if f"socket:[{one[9]}]" in own}
+    return {socket: count for socket, count in counts.items() if f"socket:[{socket}]" in own}
 
 
 def _opened(descriptor: Path) -> str:

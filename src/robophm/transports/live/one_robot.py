@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import re
-
 from robophm.core.errors import SourceError, nearest
+from robophm.core.signal import is_robot_name
 from robophm.transports.live.renamed import RenamedSource
 from robophm.transports.signals.source import LiveSource, TopicInfo
-
-_NAME = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*)*\Z", re.ASCII)
 
 
 def namespace_of(robot: str) -> str:
     """Return the namespace of a robot, ``/amr_7`` for ``amr_7``. Raises SourceError where that can be none."""
     name = robot.strip("/")
-    if not _NAME.match(name):
+    if not is_robot_name(name):
         raise SourceError(f"'{robot}' is not the namespace of a robot; expected e.g. amr_7")
     return f"/{name}"
 

@@ -46,7 +46,10 @@ class RenamedSource(LiveSource):
                 asked.setdefault(meant, []).append(signal)
                 whole.setdefault(self._whole(topic), [topic])  # where what is missing of it is told
         wanted = [signal for signal in asked if signal != CLOCK]
-        return _by_names(self._source.listen(wanted, [self._whole(topic) for topic in topics]), asked, whole)
+        heard = self._source.listen(wanted, [self._whole(topic) for topic in topics])
+        if all([name] == names for name, names in (*asked.items(), *whole.items())):
+            return heard  # each by its own name: nothing is made of every sample anew
+        return _by_names(heard, asked, whole)
 
     def stop(self) -> None:
         """End ``listen`` once all that has come so far has been taken."""

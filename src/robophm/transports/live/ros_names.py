@@ -11,7 +11,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from robophm.core.errors import SourceError, nearest
-from robophm.core.signal import split_signal
 from robophm.transports.live.renamed import RenamedSource
 from robophm.transports.signals.source import LiveSource, TopicInfo
 
@@ -54,11 +53,6 @@ class RosNames:
                 raise SourceError(f"'{name}' is a name of a node that has none itself; expected __name:= with it")
             return _below(self.whole_node, name[1:])
         return name if name.startswith("/") else _below(self.namespace, name)
-
-    def of_signal(self, signal: str) -> str:
-        """Return a signal by the whole name of its topic."""
-        topic, path = split_signal(signal)
-        return f"{self.of(topic)}.{path}"
 
 
 def names_of(words: Sequence[str], namespace: str = "") -> RosNames:

@@ -11,8 +11,9 @@ from queue import Full
 from queue import Queue as Waiting
 
 from robophm.core.errors import SourceError, nearest
-from robophm.core.signal import CLOCK, Sample, WantedSignal, wanted_unit
+from robophm.core.signal import CLOCK, Sample
 from robophm.transports.live.one_robot import namespace_of
+from robophm.transports.live.renamed import RenamedSource
 from robophm.transports.signals.source import LiveItem, LiveSource, TopicInfo, Untimed
 
 MOST_WAITING = 1000
@@ -77,10 +78,10 @@ class SharedSource:
         """Listen for all robots; called by the last that asks."""
         known = [part.known_to for part in self.parts.values() if part.known_to is not None]
         self._source.known_to = max(known, default=None)
-        signals = {s: s for some, _ in self._asked.values() for s in some if s != CLOCK}
+        signals = dict.fromkeys(s for some, _ in self._asked.values() for s in some if s != CLOCK)
         topics = {topic for _, some in self._asked.values() for topic in some}
         try:
-            heard = self._source.listen([WantedSignal(s, wanted_unit(s)) for s in signals], topics)
+            heard = self._source.listen(signals, topics)
         except SourceError as error:
             self._mistake = error
             raise
@@ -111,37 +112,27 @@ class SharedSource:
             part.hand_on()
 
 
-class _Part(LiveSource):
+class _Part(RenamedSource):
     """What one robot hears of a source that is shared, by whole names."""
 
     def __init__(self, shared: SharedSource, source: LiveSource, robot: str) -> None:
-        self._shared, self._source, self._robot = shared, source, robot
+        super().__init__(source, str)
+        self._shared, self._robot = shared, robot
         self.gathered: list[LiveItem | None] = []
         """Items that are handed on next, None behind the last of all."""
         self._waiting: Waiting[list[LiveItem | None]] = Waiting(MOST_WAITING)
         self._gone = False
         self._notes: Counter[str] | None = None
         """Notes at the end, to which whoever listened adds."""
-        self.fingerprint = source.fingerprint
-        self.announced, self.task_topics = source.announced, source.task_topics
 
     @property
-    def notes(self) -> Counter[str]:  # type: ignore[override]  # those of its own topics, and those of nobody's
+    def notes(self) -> Counter[str]:  # type: ignore[override]  # made of the source's, less those of others
         """Return the notes on topics of this robot, and on what concerns all."""
         if self._notes is not None:
             return self._notes
         others = [f"/{robot}/" for robot in self._shared.parts if robot != self._robot]
         notes: Mapping[str, int] = self._source.notes.copy()
         return Counter({what: n for what, n in notes.items() if not any(root in what for root in others)})
-
-    @property
-    def place(self) -> str:
-        """Return where it listens."""
-        return self._source.place
-
-    def hidden_by(self) -> list[str]:
-        """Return what could keep topics from being heard."""
-        return self._source.hidden_by()
 
     def topics(self) -> list[TopicInfo]:
         """Return all topics of the source."""
@@ -169,10 +160,6 @@ class _Part(LiveSource):
                 return
             except Full:
                 continue
-
-    def stop(self) -> None:
-        """End the source for all robots once what has come so far has been taken."""
-        self._source.stop()
 
     def close(self) -> None:
         """Let nobody wait for this robot; the source is closed by whoever opened it."""
