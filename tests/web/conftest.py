@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -131,3 +132,11 @@ def printed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str])
         return out.splitlines(), warned
 
     return said
+
+
+def until(there: Callable[[], Any]) -> None:
+    """Wait for what a service is asked for."""
+    end = time.monotonic() + 60
+    while not there():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.1)  # each time the service is asked, which takes its time too

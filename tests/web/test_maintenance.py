@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,7 @@ from robophm.transports.signals.source import SignalSource, TopicInfo
 from robophm.web.service import Service
 from robophm.web.sources import Choice
 
-from .conftest import Served, serving
+from .conftest import Served, serving, until
 
 START = 1_795_000_020 * SECOND
 CART = """\
@@ -56,13 +56,6 @@ class Going(SignalSource):
 
     def close(self) -> None:
         self.over = True
-
-
-def until(there: Callable[[], Any]) -> None:
-    end = time.monotonic() + 60
-    while not there():
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.1)  # each time the service is asked, which takes its time too
 
 
 @contextmanager

@@ -6,8 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -26,7 +25,7 @@ from robophm.transports.recordings.opening import open_source
 from robophm.web.service import Service
 from robophm.web.sources import Choice
 
-from .conftest import Printed, Served, serving
+from .conftest import Printed, Served, serving, until
 
 START = 1_795_000_020 * SECOND
 MINUTES = 0.06
@@ -72,13 +71,6 @@ def beside(design: Path, **settings: Any) -> Iterator[Served]:
     """The design served as ``robophm serve`` does without --store."""
     with serving(design, store=f"{design}.past", own_store=True, **settings) as served:
         yield served
-
-
-def until(there: Callable[[], bool]) -> None:
-    end = time.monotonic() + 60
-    while not there():
-        assert time.monotonic() < end, "waited in vain"
-        time.sleep(0.1)  # each time the service is asked, which takes its time too
 
 
 def run_through(served: Served, source: str, speed: float = 10_000) -> None:

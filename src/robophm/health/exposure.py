@@ -237,12 +237,7 @@ class ExposureIntegrator:
 
         Of a conservative one that had none, the last value, where a part ages faster at it than as designed.
         """
-        sums: dict[str, tuple[float, float]] = {}
-        for step in ledger.recent:
-            for key, (value, time) in step.inputs.items():
-                before = sums.get(key, (0.0, 0.0))
-                sums[key] = before[0] + value, before[1] + time
-        means = {key: value / time for key, (value, time) in sums.items() if time > 0}
+        means = _recent_means(ledger)
         now, held = ledger.integrated_to, dict[str, float]()
         if now is not None and any(key not in means for key in self.channels):
             for group, (_, _, values) in zip(self.groups, self._known(ledger, now), strict=True):
@@ -341,3 +336,25 @@ class _Went:
         """Add the advance of a clock in each period."""
         periods = part.grid(())
         self.clocks[clock] = clock.units(periods.sums(clock.advance(periods)))
+
+
+def recent_signals(channels: Mapping[str, Channel], ledger: Ledger) -> dict[str, float]:
+    """Return the mean of every signal of stress over the last ten minutes, as its messages have it.
+
+    ``channels`` by their keys; one that had no valid value is left out.
+    """
+    means, found = _recent_means(ledger), dict[str, float]()
+    for key, channel in channels.items():
+        if key in means:
+            found.setdefault(channel.signal, (means[key] - channel.offset) / channel.scale)
+    return found
+
+
+def _recent_means(ledger: Ledger) -> dict[str, float]:
+    """The mean of every channel, by its key, over the last ten minutes, as far as it had a valid value."""
+    sums: dict[str, tuple[float, float]] = {}
+    for step in ledger.recent:
+        for key, (value, time) in step.inputs.items():
+            before = sums.get(key, (0.0, 0.0))
+            sums[key] = before[0] + value, before[1] + time
+    return {key: value / time for key, (value, time) in sums.items() if time > 0}

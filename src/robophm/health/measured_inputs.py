@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from robophm.design.robot import Channel, Robot
-from robophm.health.ledger import Step
+from robophm.design.robot import Robot
 from robophm.health.stress_groups import channel_key
 
 
@@ -42,19 +40,4 @@ def measured_inputs(robot: Robot) -> dict[str, list[MeasuredInput]]:
                     unit = stress.model.numbers[name].unit
                     one = MeasuredInput(component.path, stress.model.name, name, unit, channel.rise)
                     found.setdefault(channel_key(channel), []).append(one)
-    return found
-
-
-def recent_signals(channels: Mapping[str, Channel], steps: Sequence[Step]) -> dict[str, float]:
-    """Return the mean of every signal of stress over steps of the past, as its messages have it, while it was valid.
-
-    ``channels`` by their keys; one that was never valid is left out.
-    """
-    found: dict[str, float] = {}
-    for key, channel in channels.items():
-        said = [step.inputs[key] for step in steps if key in step.inputs]
-        time = sum(one for _, one in said)
-        if time > 0:
-            mean = sum(value for value, _ in said) / time
-            found.setdefault(channel.signal, (mean - channel.offset) / channel.scale)
     return found

@@ -16,10 +16,9 @@ from robophm.design.task import Knowledge, Plan, Task
 from robophm.design.task_checks import check_knowledge, check_plan, check_task
 from robophm.health.doubtful_signals import Doubt, doubts
 from robophm.health.draws import check_draws
-from robophm.health.exposure import ExposureIntegrator
+from robophm.health.exposure import ExposureIntegrator, recent_signals
 from robophm.health.ledger import Ledger
 from robophm.health.limits import SEVERITIES, limited_values
-from robophm.health.measured_inputs import recent_signals
 from robophm.health.mission import completion, plan_future
 from robophm.health.outlooks import FutureName, View, outlooks
 from robophm.health.plant import Plant
@@ -135,7 +134,7 @@ def health_now(
         wear=tuple(wear),
         doubts=doubtful,
         heard=exposure.last_values(ledger) if robot.limits_signals else {},
-        signals=recent_signals(exposure.channels, ledger.recent),
+        signals=recent_signals(exposure.channels, ledger),
         suspect_time=tuple(ledger.suspect_time),
         silent=silent,
     )

@@ -25,7 +25,7 @@ from robophm.monitoring.seen_wear import seen_wear
 from robophm.monitoring.service_notes import WAIT, note_service
 from robophm.monitoring.stored_past import stored_past
 from robophm.monitoring.stress_since import with_since
-from robophm.stores import Address, existing_store
+from robophm.stores import Address
 
 FUTURES = ("recent", "last", "nominal")
 
@@ -79,10 +79,10 @@ def why(of: HealthReport | RobotOrPath, store: Address | None = None) -> Explana
             raise RobophmError("a store beside a report, which has its past; expected a robot with it")
         return explain(of)
     robot = robot_of(of)
-    report = Monitor(robot, ledger_of(store, robot)).report()
     if store is None:
-        return explain(report)
-    with existing_store(store) as opened:
+        return explain(Monitor(robot).report())
+    with stored_past(store, robot) as (opened, ledger):
+        report = Monitor(robot, ledger).report()
         return with_since(explain(report), opened.history(robot.identity), report.time)
 
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from robophm.core.signal import DAY
 from robophm.health.report import HealthReport
 from robophm.health.why import Explanation, explain
 from robophm.monitoring.stress_since import with_since
 from robophm.stores.figures import FigureSeries
 from robophm.stores.store import History
-from robophm.stores.trend import Trend, trend
+from robophm.stores.trend import Trend, day_and_month
 
 
 class ToldPast(NamedTuple):
@@ -28,4 +27,4 @@ class ToldPast(NamedTuple):
 def told_past(history: History, report: HealthReport) -> ToldPast:
     """Return what a history tells beside the health that a report states. Raises StoreError."""
     why = with_since(explain(report), history, report.time)
-    return ToldPast(history.figures(), why, trend(history, DAY), trend(history, 30 * DAY))
+    return ToldPast(history.figures(), why, *day_and_month(history))

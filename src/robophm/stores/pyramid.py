@@ -49,8 +49,8 @@ class Pyramid:
     def add(self, robot: str, rows: Mapping[int, Sequence[float]]) -> None:
         """Take in the figures of reports by their times [ns]; those of the same time are replaced."""
         number = self._number(robot)
-        oldest = self._day_of(number, "max") if self._signal else None
-        times = sorted(time for time in rows if oldest is None or time >= oldest - (OF_SIGNALS[0] or 0))
+        newest = self._day_of(number, "max") if self._signal else None
+        times = sorted(time for time in rows if newest is None or time >= newest - (OF_SIGNALS[0] or 0))
         if not times:
             return
         values = np.array([rows[time] for time in times])

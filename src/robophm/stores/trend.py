@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
+from robophm.core.signal import DAY
 from robophm.stores.figures import FIGURES, figures_of
 from robophm.stores.store import History
 
@@ -37,8 +39,18 @@ def trend(history: History, time: int) -> Trend | None:
     of unknown rate make the figures of one of both bounds, whose difference says nothing. Raises StoreError.
     """
     newest = history.report_at(2**62)
+    return None if newest is None else _trend_to(newest, history, time)
+
+
+def day_and_month(history: History) -> tuple[Trend | None, Trend | None]:
+    """Return the trend of a day and that of 30 days. Raises StoreError."""
+    newest = history.report_at(2**62)
     if newest is None:
-        return None
+        return None, None
+    return _trend_to(newest, history, DAY), _trend_to(newest, history, 30 * DAY)
+
+
+def _trend_to(newest: Mapping[str, Any], history: History, time: int) -> Trend | None:
     asked = newest["time"] - time
     earlier = history.report_at(asked)
     if earlier is None or not 0 <= asked - earlier["time"] <= OLDER * time:

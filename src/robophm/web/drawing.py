@@ -103,8 +103,8 @@ def _place_of(part: str, every: Sequence[str]) -> int:
 def _left_out(boxes: Sequence[PlacedBox]) -> str:
     """What is said of the parts before and behind those that are drawn."""
     counts = [box.part.count if isinstance(box.part, More) else 0 for box in boxes]
-    drawn = [i for i, count in enumerate(counts) if not count]
-    before, behind = sum(counts[: drawn[0]]), sum(counts[drawn[0] :])
+    first = next((i for i, count in enumerate(counts) if not count), len(counts))
+    before, behind = sum(counts[:first]), sum(counts[first:])
     return f"Not drawn are {count_text(before)} parts before these and {count_text(behind)} behind."
 
 

@@ -24,6 +24,7 @@ from robophm.health.ledger import Ledger
 from robophm.health.ledger_parts import Fate, fates, lived
 from robophm.health.outlooks import View, outlooks
 from robophm.health.prognosis import Outlook
+from robophm.health.why import Explanation
 from robophm.monitoring.notices import Notices
 from robophm.stores import Address
 from robophm.web.access.file import AccessFile, access_path
@@ -108,6 +109,8 @@ class Service:
         self.changed_outside = False
         """Whether the file holds what somebody else has made of it, and taking it would lose edits or is impossible."""
         self.part_texts = PartTexts()
+        self.told: tuple[Explanation, Explanation] | None = None
+        """The reasons for its health that were asked for last, and the same with since when."""
         self.wanted = ""
         """The source by which the robot is to be watched from the start."""
         self._ended = threading.Event()

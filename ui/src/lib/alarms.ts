@@ -7,14 +7,15 @@ import { sayError, useDesign } from "./store";
 export type Alarm = Shapes["LoggedAlarm"];
 export type Alarms = Shapes["AlarmsOfRobot"];
 
-export function useAlarms(): [Alarms | null, (found: Alarms) => void] {
+/** Of those that have ended the newest, ``most`` with those that go on; as many as the service gives without. */
+export function useAlarms(most?: number): [Alarms | null, (found: Alarms) => void] {
   const design = useDesign();
   const { health } = useHealth();
   const [found, setFound] = useState<Alarms | null>(null);
   useEffect(() => {
     if (!health && !design?.valid) return;
     const asked = new AbortController();
-    get("/api/alarms", {}, asked.signal).then(setFound).catch((error: unknown) => !asked.signal.aborted && sayError(error));
+    get("/api/alarms", most ? { most } : {}, asked.signal).then(setFound).catch((error: unknown) => !asked.signal.aborted && sayError(error));
     return () => asked.abort();
   }, [health?.looks, health?.alarms, health?.unacknowledged, health?.monitoring, design?.state]);
   return [found, setFound];

@@ -21,7 +21,7 @@ export function useNoticesWanted(): boolean {
 
 /** Tells of alarms that begin while the page is open, whichever page it is; none of those before. */
 export function Notices(): null {
-  const [found] = useAlarms();
+  const [found] = useAlarms(20);
   const last = useRef<number | null>(null);
   useEffect(() => {
     if (!found) return;

@@ -249,14 +249,17 @@ def get_importance(
                           refused=found.refused, unknown=unknown_of(found.unknown, "aside"))  # fmt: skip
 
 
+def few_enough(prepared: PreparedRobot, command: str) -> None:
+    """Raise DesignError where there are more parts than may keep everybody waiting; the command has the time."""
+    if (count := len(prepared.plant.units)) > MOST_PARTS:
+        raise DesignError(f"{count:,} parts; expected at most {MOST_PARTS:,}: `robophm {command}` has the time")
+
+
 @router.get("/cut-sets", responses=REFUSED)
 def get_cut_sets(service: Served, most: Annotated[int, Query(ge=1, le=1000)] = 20) -> CutSets:
     """The smallest sets of parts whose failure fails the robot, the likeliest by now first."""
     prepared = service.prepared()
-    if len(prepared.plant.units) > MOST_PARTS:
-        raise DesignError(
-            f"{len(prepared.plant.units):,} parts; expected at most {MOST_PARTS:,}: `robophm cutsets` has the time"
-        )
+    few_enough(prepared, "cutsets")
     views = service.outlooks(prepared)
     system = fault_tree(views["sensor_based"], limit=STEPS)
     listed = system.cut_sets(most)

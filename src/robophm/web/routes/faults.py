@@ -10,21 +10,22 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from robophm.core.errors import DataError, DesignError, RobophmError
+from robophm.core.errors import DataError, RobophmError
 from robophm.drafting.received import file_name
-from robophm.interface.faults import diagnose, fmeca
+from robophm.health.effects import effects
+from robophm.interface.faults import diagnose
 from robophm.interface.field import learn
 from robophm.interface.lives import fit
+from robophm.learning.diagnosis.coverage_matrix import coverage, detection_probabilities
 from robophm.learning.life_data.distribution_fitting import as_good_as_best
 from robophm.learning.life_data.observed_lives import read_life_data
 from robophm.report.fit_page import fit_rows
 from robophm.report.fmeca_page import COLUMNS, fmeca_rows, unknown_words
 from robophm.report.learned_rates import contradictions, learned_rows, unstated_text
-from robophm.report.minimal_sets import MOST_PARTS
 from robophm.report.suspects import coverage_rows, nothing_failed, suspect_rows, unknown_suspects
 from robophm.report.words import number_text
 from robophm.web.access.roles import needs
-from robophm.web.routes.analysis import Hours
+from robophm.web.routes.analysis import Hours, few_enough
 from robophm.web.routes.data import FileName, Upload
 from robophm.web.routes.design import REFUSED
 from robophm.web.service import Served
@@ -85,15 +86,13 @@ def _uploaded(name: str, body: bytes) -> Iterator[Path]:
 def get_fmea(service: Served, hours: Hours = 1000.0) -> FoundTables:
     """Failure modes, effects and criticality of the new robot within hours of operation, the most critical first."""
     prepared = service.prepared()
-    if len(prepared.plant.units) > MOST_PARTS:
-        raise DesignError(
-            f"{len(prepared.plant.units):,} parts; expected at most {MOST_PARTS:,}: `robophm fmeca` has the time"
-        )
-    done = fmeca(prepared.robot, hours=hours)
-    rows = [list(row) for row in fmeca_rows(done.effects, done.coverage)]
+    few_enough(prepared, "fmeca")
+    robot = prepared.robot
+    found = effects(prepared.new, hours, detection_probabilities(robot, []))
+    rows = [list(row) for row in fmeca_rows(found, coverage(robot, []))]
     title = f"What failures do within {number_text(hours)} h of operation of a new robot"
     return FoundTables(
-        tables=[table_of(title, list(COLUMNS), rows, range(9, len(COLUMNS)))], notes=[*unknown_words(done.effects)]
+        tables=[table_of(title, list(COLUMNS), rows, range(9, len(COLUMNS)))], notes=[*unknown_words(found)]
     )
 
 

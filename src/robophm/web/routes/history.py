@@ -11,7 +11,7 @@ from robophm.calibration.honest_past import honest_past
 from robophm.core.signal import DAY, HOUR, SECOND
 from robophm.stores.figures import FIGURES, Array
 from robophm.stores.store import POINTS
-from robophm.stores.trend import trend
+from robophm.stores.trend import day_and_month
 from robophm.web.prepared_robot import finite
 from robophm.web.service import Served
 from robophm.web.shapes import Shape
@@ -218,7 +218,7 @@ def get_trends(service: Served) -> Trends:
         if history is None or (newest := history.report_at(2**62)) is None:
             return Trends(until=None, times=[], breaks=[], figures={})
         found = history.figures(newest["time"] - DAY, newest["time"] + 1, MOST_IN_COURSE)
-        day, month = trend(history, DAY), trend(history, 30 * DAY)
+        day, month = day_and_month(history)
     return Trends(
         until=newest["time"] / SECOND,
         times=(found.times / SECOND).tolist(),

@@ -175,8 +175,14 @@ def told_since(why: Explanation | None, report: HealthReport | None, service: Se
     """Return why a robot's health is as the report says, with since when, as its history tells."""
     if why is None or report is None or not any(part.stresses for part in why.parts):
         return why
+    known = service.told
+    if known and known[0] is why:  # which is made anew at each look, and asked for each second
+        return known[1]
     with service.monitoring.history() as store:
-        return with_since(why, store.history(report.design.identity) if store else None, report.time)
+        told = with_since(why, store.history(report.design.identity) if store else None, report.time)
+        if store:
+            service.told = why, told
+    return told
 
 
 def freshness(robot: Robot, service: Service) -> list[Freshness]:
