@@ -92,7 +92,8 @@ def get_fmea(service: Served, hours: Hours = 1000.0) -> FoundTables:
     rows = [list(row) for row in fmeca_rows(found, coverage(robot, []))]
     title = f"What failures do within {number_text(hours)} h of operation of a new robot"
     return FoundTables(
-        tables=[table_of(title, list(COLUMNS), rows, range(9, len(COLUMNS)))], notes=[*unknown_words(found)]
+        tables=[table_of(title, list(COLUMNS), rows, (4, 5, 6, 7, *range(9, len(COLUMNS))))],
+        notes=[*unknown_words(found)],
     )
 
 
