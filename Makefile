@@ -7,7 +7,7 @@ SPELT := *.md changelog.d docs examples src ui/src benchmarks tools ros
 # The tests start hundreds of commands: each would be compiled anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help setup demo demo-ros lint check peers test test-full test-page test-oldest test-fresh release calibrate prognostics new-user docs fuzz integrity soak bench clean
+.PHONY: help setup demo demo-ros lint check peers compiled test test-full test-page test-oldest test-fresh release calibrate prognostics new-user docs fuzz integrity soak bench clean
 .DEFAULT_GOAL := help
 
 help:
@@ -55,9 +55,13 @@ peers:
 	@sh tools/ros-peers
 	@sh tools/browser
 
+# Each of the processes that share the tests would compile all of them; what is wrong in one it is told by them.
+compiled: setup
+	@$(BIN)/pytest --collect-only -qq >/dev/null 2>&1 || true
+
 # Checks and downloads go on beside each other. A test that hangs is a failed one: the slowest takes half a minute.
 test: setup
-	@$(MAKE) --no-print-directory --jobs 2 --output-sync=target lint peers
+	@$(MAKE) --no-print-directory --jobs 3 --output-sync=target lint peers compiled
 	$(BIN)/pytest -n 3 --timeout 240 --durations=10 --durations-min=1
 
 # `make test` has a twenty-fifth of the calibration, by a fixed seed, and skips the peers of the extra `peers`.

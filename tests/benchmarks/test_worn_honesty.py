@@ -21,6 +21,7 @@ def robot(link_at_end: float, task: float) -> WornRobot:
     return WornRobot(readings, 100.0, task, 200.0, {name: 100.0 + rest for name, rest in left.items()})
 
 
+@pytest.mark.full
 def test_what_is_promised_hangs_on_how_worn_a_robot_is():
     design = parse(DESIGN)
     young, old = (ask(design, robot(level, 30.0)) for level in (1.0, 3.8))

@@ -142,6 +142,7 @@ def chance(tree):
         return None
 
 
+@pytest.mark.full
 @each_case("seed", range(examples(60)))
 def test_random_trees_are_as_simulated(seed):
     draw = random.Random(seed)

@@ -128,6 +128,7 @@ def module(rng: random.Random, names: Sequence[str]) -> Block:
     return Series(core, *more) if rng.random() < 0.7 else Parallel(core, *more)
 
 
+@pytest.mark.full
 @each_case("seed", range(150))
 def test_modules_that_are_needed_and_drawn_inside_other_functions(seed: int) -> None:
     """What must work by itself, or in a module that must, and is also in a parallel of another function that must."""

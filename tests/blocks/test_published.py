@@ -83,6 +83,7 @@ def test_published_figure(case: dict) -> None:
             assert found[measure] == expected
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "name",
     [

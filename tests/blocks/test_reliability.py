@@ -71,6 +71,7 @@ def test_k_out_of_unlike_units_is_the_count_in_fractions(k):
     assert_allclose((works, failed), (float(sum(count[k:])), float(sum(count[:k]))), rtol=1e-13)
 
 
+@pytest.mark.full
 def test_99_000_of_100_000_take_what_their_few_failures_need():
     """In a tenth of a second, where all products would take a quarter of a minute."""
     n, k, p = 100_000, 99_000, 0.9905
@@ -195,6 +196,7 @@ def test_wrong_number_of_units():
         Structure(Series("a", "b")).state([1, 1, 1], [0, 0])
 
 
+@pytest.mark.full
 def test_too_big_is_refused_in_words():
     n = 100
     block = KOutOfN(50, *[Parallel(f"u{i}", f"u{(17 * i + 3) % n}") for i in range(n)])

@@ -43,6 +43,7 @@ def test_equal_probabilities_are_binomial(n, p):
         assert count.at_least(at) == pytest.approx(binom.sf(at - 1, n, p), rel=1e-8, abs=1e-270)
 
 
+@pytest.mark.full
 def test_tails_far_out_keep_their_digits():
     """Unlike probabilities, some tiny, against rational arithmetic: also where the tail is 1e-200."""
     rng = np.random.default_rng(5)

@@ -219,6 +219,7 @@ def altered(path, change):
         )
 
 
+@pytest.mark.full
 def test_no_prediction_looks_at_what_comes_later(small, tmp_path):
     folder = tmp_path / "fleet"
     copytree(small, folder)
@@ -253,6 +254,7 @@ def test_no_prediction_looks_at_what_comes_later(small, tmp_path):
     assert np.mean(was[~known] != now[~known]) > 0.5  # what was altered does matter to those that may know it
 
 
+@pytest.mark.full
 def test_when_a_robot_fails_at_last_does_not_change_what_was_foretold(small, tmp_path):
     folder = tmp_path / "fleet"
     copytree(small, folder)
@@ -272,6 +274,7 @@ def test_when_a_robot_fails_at_last_does_not_change_what_was_foretold(small, tmp
     assert np.all(was.fraction != now.fraction)
 
 
+@pytest.mark.full
 def test_processes_change_nothing(small):
     heard = []
     one = predict_fleet(small, {**OURS, **CONTROLS})

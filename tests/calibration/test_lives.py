@@ -119,6 +119,7 @@ def test_the_band_holds_the_histograms_of_honest_models_with_99_percent():
     assert 40 < missed <= 200 + 4 * 200**0.5
 
 
+@pytest.mark.full
 def test_an_honest_model_is_seldom_rejected_censored_or_not():
     rng = np.random.default_rng(14)
     rejected = 0
@@ -214,6 +215,7 @@ def test_what_is_impossible(fraction, censored, impossible):
     )
 
 
+@pytest.mark.full
 def test_what_would_have_been_seen_is_seen():
     n = 300
     factor = score_lives(lives(np.full(n, 100.0))).seen

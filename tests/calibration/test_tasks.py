@@ -177,6 +177,7 @@ def test_too_little_data_says_what_would_have_been_seen():
     assert "of too few none" in verdict.text
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("side", [0, 1])
 def test_what_would_have_been_seen_is_seen(side):
     """At the stated factor nine of ten histories are rejected: simulated, for a rare failure."""

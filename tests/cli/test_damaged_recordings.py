@@ -118,6 +118,7 @@ METADATA: dict[str, Callable[[Path], Any]] = {
 }  # fmt: skip
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("what", "command"), [*((what, "python") for what in METADATA), *(("empty", command) for command in COMMANDS[:4])]
 )
@@ -214,6 +215,7 @@ def test_one_bit_of_an_index_hides_nothing(command: str, folder: Path, ask: Any,
         assert printed == expected[1]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("suffix", [".bag", ".mcap", ".db3"])
 @pytest.mark.parametrize("kept", [0.3, 0.9])
 def test_of_two_that_overlap_a_cut_one_takes_nothing_from_the_other(kept: float, suffix: str, tmp_path: Path) -> None:

@@ -110,6 +110,7 @@ def test_what_is_no_time_is_refused_with_the_options_name(text):
         operating_time("--within", "0", above=True)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("words", "found"),
     [("im", {"import-bom", "import-legacy", "importance"}), ("show robot.yaml --a", {"--at"}),
@@ -156,6 +157,7 @@ def test_a_real_fish_completes(program):
     assert "What matters most to a robot's health" in done.stdout
 
 
+@pytest.mark.full
 @without("zsh")
 def test_a_real_zsh_completes(program):
     """On a terminal, for it completes nowhere else: what is typed is completed as far as it is plain, then listed."""

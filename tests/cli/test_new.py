@@ -101,6 +101,7 @@ def test_a_robot_of_which_nothing_was_recorded_is_said_to_have_no_signals(inside
     assert "## Signals\n\n- none: neither a recording nor a robot that runs told of any\n" in said
 
 
+@pytest.mark.full
 def test_an_update_without_what_it_was_drafted_of_is_refused(inside, tmp_path, bag):
     """Else its joints, or its signals, would go without a word."""
     inside("new", "robot.yaml", "--urdf", URDF, "--bag", bag)

@@ -97,6 +97,7 @@ def on_a_terminal(command, *args, **variables):
     return child.returncode, text.decode().replace("\r\n", "\n")
 
 
+@pytest.mark.full
 def test_colours_on_a_terminal_unless_they_are_not_wanted(command, design):
     assert "\x1b[1m" in on_a_terminal(command, "show", design)[1]
     for variables in ({"NO_COLOR": "1"}, {"TERM": "dumb"}):
@@ -105,6 +106,7 @@ def test_colours_on_a_terminal_unless_they_are_not_wanted(command, design):
         assert "\x1b" not in text
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("columns", ["0", "40", "abc"])
 def test_figures_are_never_cut(command, design, columns):
     code, text = on_a_terminal(command, "show", design, COLUMNS=columns, NO_COLOR="1")
@@ -114,10 +116,12 @@ def test_figures_are_never_cut(command, design, columns):
     assert "58.06 %" in text
 
 
+@pytest.mark.full
 def test_a_pipe_gets_whole_lines_whatever_the_terminal(run, design):
     assert run("show", design, COLUMNS="40").stdout == run("show", design, COLUMNS="300").stdout
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "variables",
     [
@@ -158,6 +162,7 @@ READERS = {
 }
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("args", READERS.values(), ids=READERS.keys())
 def test_a_reader_that_has_seen_enough(command, design, args):
     """The exit code is the command's own, and nothing is said about the pipe."""
@@ -169,6 +174,7 @@ def test_a_reader_that_has_seen_enough(command, design, args):
     assert child.stderr.count(b"\n") == (args[0] == "check")
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("args", [("show", "robot.yaml"), ("show", "robot.yaml", "--json"), ("--help",)])
 def test_a_full_disk_behind_stdout(command, design, args):
     with open("/dev/full", "w") as full:  # noqa: PTH123
@@ -184,6 +190,7 @@ def test_closed_streams(command, design, stream):
     assert subprocess.run(["sh", "-c", script, *command, "check", "no.yaml"], check=False).returncode == INVALID
 
 
+@pytest.mark.full
 def test_an_empty_folder_that_may_not_be_written(run, recording, tmp_path):
     from .conftest import EXAMPLE
 
@@ -267,6 +274,7 @@ def test_what_is_infinite_is_told_from_what_does_not_apply(inside, tmp_path):
     assert json.loads(plain) == {"up": "Infinity", "down": "-Infinity", "none": None, "deep": [{"x": ["Infinity"]}]}
 
 
+@pytest.mark.full
 def test_lines_go_out_as_they_are_written_also_into_a_pipe(command: list[str], design: Path) -> None:
     """Who waits for the address that a command prints has it while the command runs."""
     process = subprocess.Popen(

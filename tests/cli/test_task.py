@@ -111,6 +111,7 @@ def test_a_long_list_is_cut_for_people_alone(inside, tmp_path):
     assert len(json.loads(inside("task", "robot.yaml", "tasks.csv", "--json").stdout)["tasks"]) == 601
 
 
+@pytest.mark.full
 def test_repeated_a_million_times_it_is_as_good_as_the_first_time(asked):
     done = asked("tasks: [{duration: 1 h}]", "--repeat", "1000000", "--threshold", "0.99")
     assert (done.returncode, done.stderr) == (OK, "")

@@ -126,6 +126,7 @@ CRACK = (0.90, 0.94, 0.98, 1.03, 1.07, 1.12, 1.19, 1.24, 1.34, 1.43, 1.55, 1.71)
 """A specimen of Alloy-A (Meeker and Escobar 1998, table C.14) [inch]."""
 
 
+@pytest.mark.full
 def test_what_would_have_been_said_earlier(inside, robot, tmp_path):
     """Words, JSON and a file that calibrate reads agree; where nothing was reached, with where it is now."""
     words = ("wear", robot, readings(tmp_path / "crack.csv", range(12), CRACK), "--part", "battery", "--threshold", 1.6)

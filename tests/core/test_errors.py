@@ -82,6 +82,7 @@ def test_of_many_names_the_likest_are_listed():
     )
 
 
+@pytest.mark.full
 def test_a_hint_out_of_many_names_does_not_keep_anyone_waiting():
     """Also where all are equally near: 30,000 modules with a motor each."""
     began = time.process_time()

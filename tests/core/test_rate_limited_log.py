@@ -20,6 +20,7 @@ def log() -> logging.Logger:
     return log
 
 
+@pytest.mark.full
 def test_the_same_line_is_written_a_few_times_and_then_counted(log: logging.Logger) -> None:
     now = 0.0
     log.addFilter(RateLimit(lambda: now))

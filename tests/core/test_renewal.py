@@ -28,6 +28,7 @@ def weibull(scale: float, shape: float) -> Law:
     return Law(failed, failed)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("repair", [0.5, 4.0, 200.0])
 @pytest.mark.parametrize("down", [WORKS, DOWN])
 def test_lives_of_two_stages_are_those_of_their_markov_chain(repair: float, down: np.ndarray) -> None:

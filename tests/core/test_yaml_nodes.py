@@ -190,6 +190,7 @@ LONG = 18_000_000
 """Characters of a text just within what a file may have."""
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("text", "says"),
     [

@@ -361,6 +361,7 @@ BOMBS = {
 }
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("text", "says"), BOMBS.values(), ids=BOMBS.keys())
 def test_bombs_are_defused_quickly(text, says):
     begun = time.process_time()

@@ -36,6 +36,7 @@ def drafts(shared, tmp_path_factory):
     return found
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", NAMES)
 def test_it_takes_seconds_and_seven_questions_at_most(name, drafts):
     _, draft, _, took = drafts[name]

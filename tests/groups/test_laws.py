@@ -45,6 +45,7 @@ def nested(drawn: Drawn, t: float) -> float:
     return float(total)
 
 
+@pytest.mark.full
 def test_three_whose_table_once_overshot() -> None:
     """Its mean was said to be 31 years beside a median of 199 days, and R to rise from 1e-117 to 1."""
     one, lives = solved(THREE.group, THREE.lives), lives_by_chance(THREE, 1_000_000, 7)
@@ -82,6 +83,7 @@ def test_far_beyond_what_a_number_holds_a_group_known_to_work_goes_on() -> None:
     np.testing.assert_allclose(more, works - (np.log1p(ends + ends**2 / 2) - ends), rtol=1e-8)
 
 
+@pytest.mark.full
 def test_lives_that_underflow_at_first() -> None:
     """Of a lognormal pair R at t is by plain quadrature; nothing is asked where densities are denormal."""
     lives = [Lognormal(6.0, 1.0), Lognormal(7.0, 0.5), Lognormal(6.5, 0.7)]
@@ -112,6 +114,7 @@ def test_laws_of_four(drawn: Drawn) -> None:
     check_laws(drawn)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("n", [2, 3, 4])
 @given(data=st.data())
 @settings(CALM, max_examples=2)

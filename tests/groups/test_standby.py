@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from itertools import product
 from pathlib import Path as File
 
 import mpmath
@@ -12,6 +13,7 @@ from scipy.special import gammainc, gammaincc
 
 sys.path.insert(0, str(File(__file__).parent))
 from solving import fails, solved, standby, works
+from tests.cases import some
 
 from robophm.core.errors import StructureError
 from robophm.groups.markov_chain import Chain
@@ -60,8 +62,9 @@ def test_pages() -> None:
     assert works(six, 0.1314)[0] == pytest.approx(0.349518 + 0.362628 + 0.192817, abs=2e-6)
 
 
-@pytest.mark.parametrize("shapes", [(2.0, 3.0), (0.5, 0.7), (1.5, 4.5), (8.0, 0.6)])
-@pytest.mark.parametrize("t", [0.02, 0.5, 2.0, 4.0])
+@pytest.mark.parametrize(
+    ("shapes", "t"), some(product([(2.0, 3.0), (0.5, 0.7), (1.5, 4.5), (8.0, 0.6)], [0.02, 0.5, 2.0, 4.0]))
+)
 def test_a_pair_that_ages_against_many_digits(shapes: tuple[float, float], t: float) -> None:
     b1, b2 = shapes
     one = solved(standby(2, 1, 0.2), [Weibull(1.0, b1), Weibull(1.3, b2)])
@@ -83,6 +86,7 @@ def test_a_pair_that_ages_against_many_digits(shapes: tuple[float, float], t: fl
     assert fails(one, t)[0] == pytest.approx(float(expected[1]), rel=1e-11)
 
 
+@pytest.mark.full
 def test_three_cold_gamma_lives_are_one() -> None:
     """Gamma lives of one rate add up to a gamma life of all their shapes."""
     lives = [Gamma(scale=1.0, shape=shape) for shape in (0.7, 1.6, 2.2)]
@@ -95,6 +99,7 @@ def test_three_cold_gamma_lives_are_one() -> None:
 KNOWN = [[None] * 4, [False, None, None, True], [None, False, True, None], [True] * 4, [False, False, None, None]]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("status", KNOWN)
 def test_what_is_known_of_members_by_both_ways(status: list[bool | None]) -> None:
     lives = [Exponential(rate) for rate in (1.0, 1.3, 0.7, 2.0)]
@@ -132,6 +137,7 @@ def test_several_active_in_cold_standby_are_independent_places(switch: float) ->
     np.testing.assert_allclose(one.rate(t), other.rate(t), rtol=1e-11)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("status", [[None] * 5, [False, None, None, None, None], [False, True, False, None, True],
                                     [True, None, None, None, None], [None, None, None, None, False]])  # fmt: skip
 def test_what_is_known_of_several_active_ones(status: list[bool | None]) -> None:

@@ -130,6 +130,7 @@ def test_a_signal_that_stands_still_is_told_of_as_if_it_were_silent() -> None:
     assert doubt.hazard_rate == pytest.approx(others + 1e-5, rel=1e-12)
 
 
+@pytest.mark.full
 def test_one_alone_is_held_against_its_own_past() -> None:
     alone = robot(left=motor("/left"))
     assert lived(alone, 12, left=FINE["left"]).doubts == ()

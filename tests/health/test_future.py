@@ -255,6 +255,7 @@ def test_nominal_last_and_recent(future: FutureName, factor: Any, share: float, 
 # A plan of tasks.
 
 
+@pytest.mark.full
 def test_a_plan_begun_anew_every_day() -> None:
     """Two hours hot, one hour idle in which the motor ages by its duty; the calendar goes on."""
     parts = {

@@ -224,6 +224,7 @@ def test_a_group_decides_as_one() -> None:
     assert second.path == "C"
 
 
+@pytest.mark.full
 def test_the_rate_at_the_corner_between_past_and_present() -> None:
     """A cold pair whose spare has aged less than the first part, and now ages as fast: by mpmath's quadrature."""
     lives = (1.8, 4000), (1.5, 5000)

@@ -261,6 +261,7 @@ def wandering(hours: int, seed: int = 1) -> Life:
     return life
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("hours", [1, 20, 300])
 def test_the_history_is_bounded_and_adds_up(hours: int) -> None:
     ledger = wandering(hours).ledger

@@ -58,6 +58,7 @@ def test_looking_changes_nothing() -> None:
     assert observer.ledger.to_json() == LEDGER
 
 
+@pytest.mark.full
 def test_a_million_small_additions_lose_nothing() -> None:
     # a second at a time after a year, and what a plain sum loses entirely
     total, plain = Total(np.array([8760.0, 1.0]), np.zeros(2)), np.array([8760.0, 1.0])

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.cases import examples
 
 from robophm.core.errors import DesignError, StoreError
 from robophm.core.signal import HOUR, Sample
@@ -321,7 +322,7 @@ class Course:
         raise AssertionError("asked again and again")
 
 
-@pytest.mark.parametrize("seed", range(200))
+@pytest.mark.parametrize("seed", range(examples(200)))
 def test_whatever_is_edited_what_every_part_has_behind_it_stays_bit_for_bit(seed: int) -> None:
     course = Course(seed)
     known = {mode.source: mode.identity for mode in course.robot.modes}

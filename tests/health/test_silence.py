@@ -48,6 +48,7 @@ def rate(monitor: Monitor) -> float:
     return monitor.report(remaining_life=False).system.sensor_based.hazard_rate
 
 
+@pytest.mark.full
 @given(
     first=st.sampled_from("tv"), hot=st.floats(-39, 124), volts=st.floats(0.1, 44), more=st.floats(-39, 124),
     scaling=st.sampled_from(["age", "hazard"]),

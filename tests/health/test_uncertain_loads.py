@@ -66,6 +66,7 @@ def test_a_constant_past_has_a_certain_future() -> None:
     assert found.all_sources == near([-math.log(p) / 3e-3 for p in LEVELS], 1e-7)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("run", [1, 4, 8])
 def test_loads_are_drawn_in_blocks(run: int) -> None:
     """Two levels in turns, in runs: mean and spread of what 64 steps add, by enumerating all 64 blocks of 8.
@@ -132,6 +133,7 @@ FORMS = pytest.mark.parametrize(
 )
 
 
+@pytest.mark.full
 @FORMS
 def test_a_weighed_hazard_follows_the_changes_of_the_future(form: dict[str, Any], of: LifeDistribution) -> None:
     """The same stresses in the other order are another life; two futures of equal chance are their mixture."""

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from mpmath import mp, mpf
+from tests.cases import some
 
 from robophm.design.file import parse
 from robophm.design.robot import Robot
@@ -118,7 +119,7 @@ def exact(value: Any, rel: float = 1e-12) -> Any:
     return pytest.approx(float(value), rel=rel, abs=0)
 
 
-@pytest.mark.parametrize(("diagram", "lived", "monitored"), CASES)
+@pytest.mark.parametrize(("diagram", "lived", "monitored"), some(CASES))
 def test_completion_rate_and_remaining_life(diagram: str, lived: str, monitored: str) -> None:
     design = robot(DIAGRAMS[diagram], LIVED[lived], monitored)
     outlook = as_designed(Plant(design))

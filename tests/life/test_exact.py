@@ -6,6 +6,7 @@ from functools import cache
 import mpmath as mp
 import numpy as np
 import pytest
+from tests.cases import some
 
 from robophm.life.curve import Curve
 from robophm.life.exponential import Exponential
@@ -133,7 +134,7 @@ def error(value, expected):
     return float(abs(mp.mpf(value) / expected - 1))
 
 
-@pytest.mark.parametrize("life", LIVES, ids=str)
+@pytest.mark.parametrize("life", some(LIVES), ids=str)
 def test_increments_of_a_second_and_of_an_age(life):
     H, _ = truth(life)
     for age in AGES:
@@ -301,6 +302,7 @@ def test_long_tails_have_no_mean():
     assert math.isfinite(Loglogistic(100, 1.01).mean_residual_life(5.0))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("shape", [1e3, 1e4, 1e6])
 @pytest.mark.parametrize("sigmas", [3, 20, 60])
 def test_gamma_of_a_large_shape(shape, sigmas):

@@ -78,6 +78,7 @@ def heard(path, times):
     return next(one for one in overview(recorded).topics if one.messages == len(times))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("burst", [5, 100, 1000])
 @pytest.mark.parametrize("bursts", [2, 3, 10, 11, 30])
 def test_rates_of_bursts(tmp_path, burst, bursts):
@@ -94,6 +95,7 @@ def test_rates_of_bursts(tmp_path, burst, bursts):
     assert per_second(topic) == pytest.approx((whole, whole if bursts > 10 else within), rel=1e-12)
 
 
+@pytest.mark.full
 def test_rates_without_gaps_and_with_few(tmp_path):
     """Ten a second for an hour; the same with ten seconds of silence, which is a thousandth of it."""
     steps = [START + step * SECOND // 10 for step in range(36_000)]

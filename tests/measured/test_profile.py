@@ -138,6 +138,7 @@ def test_prognosis_of_the_profile_is_that_of_the_recordings_own_history(day):
     assert ahead.probability == pytest.approx(lived_through.works, rel=1e-12)
 
 
+@pytest.mark.full
 def test_hazard_scaling_depends_on_the_order_and_comes_close(day):
     """Where stress scales hazard and life is not exponential, levels in another order age a little differently."""
     text = OTA.read_text().replace("rate: 2e-08 /h", "rate: 2e-4 /h\n        scaling: hazard\n        "

@@ -204,6 +204,7 @@ def test_windows_so_short_that_there_would_be_no_end_of_them(tmp_path):
         list(statistics(recorded, [signal_of(BARE, [recorded])], 1, 5 * SECOND, Counter()))
 
 
+@pytest.mark.full
 def test_memory_does_not_grow_with_the_recording(tmp_path, monkeypatch):
     """Of eight times the messages, far less is kept than even their times and values would take."""
     monkeypatch.setattr(chunked, "BATCH", 1 << 16)  # else all of it would be handled at once

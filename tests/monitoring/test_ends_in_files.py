@@ -152,6 +152,7 @@ def test_stamps_that_jump_do_not_end_it(design: Robot, tmp_path: Path, write_mes
         assert seconds(robot, first) == pytest.approx(599, rel=1e-12)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(("lasts", "on"), [(630, 629), (660, 659), (3600, 599 + 60)])
 def test_a_sensor_dies_and_the_recording_goes_on(design: Robot, tmp_path: Path, kind: str, lasts: int, on: int) -> None:

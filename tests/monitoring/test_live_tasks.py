@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pickle
 
+import pytest
+
 from robophm.core.signal import SECOND, Sample
 from robophm.monitoring.live_tasks import LiveTasks
 from robophm.monitoring.monitor import Monitor
@@ -16,6 +18,7 @@ NUMBERS = 12
 """Numbers that a failure mode may take in each remembered past: its sums, and what is open of its history."""
 
 
+@pytest.mark.full
 def test_what_is_remembered_for_tasks_is_sums_and_not_the_steps_they_are_of():
     """After more than a day, when as much is forgotten as is remembered."""
     hot = {"acceleration": {"model": "q10"}, "signals": {"temperature": {"topic": "/hot", "field": "temperature"}}}

@@ -46,6 +46,7 @@ modules:
 """
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("design", [*sorted(ROOT.glob("examples/*/robot.yaml")), FORMULA], ids=str)
 def test_a_robot_in_another_process_is_the_same(design: Path | str) -> None:
     robot = load(design) if isinstance(design, Path) else parse(design)
@@ -61,6 +62,7 @@ def test_a_robot_in_another_process_is_the_same(design: Path | str) -> None:
     assert reports[0] == reports[1]
 
 
+@pytest.mark.full
 def test_reports_of_several_processes_are_those_of_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of files that follow each other, some that overlap them, one damaged, one missing, and one from before."""
     robot = load(OTA)
@@ -215,6 +217,7 @@ def replaying(folder: Path) -> Iterator[subprocess.Popen[str]]:
     until(lambda: not children(process.pid))
 
 
+@pytest.mark.full
 def test_an_interrupted_replay_leaves_no_process(tmp_path: Path) -> None:
     """From the keyboard all processes are interrupted at once; one line is said."""
     with replaying(tmp_path) as process:

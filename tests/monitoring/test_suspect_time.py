@@ -181,6 +181,7 @@ def test_the_ledger_is_that_of_a_clock_that_was_right(
     assert json.dumps(again.ledger("R")) == json.dumps(life.ledger.to_json())
 
 
+@pytest.mark.full
 def test_a_machine_that_sleeps_for_hours_and_wakes(design: Robot) -> None:
     """All that was heard counts, and the sleep as rest: a machine that hears nobody for as long has the same sums.
 
@@ -210,6 +211,7 @@ def test_a_small_step_is_said(design: Robot, by: int) -> None:
     assert life.notes == [f"the clock was set {'forward' if by > 0 else 'back'}; time went on as it was"]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("share", [1e-4, -1e-4], ids=["fast", "slow"])
 def test_a_clock_that_drifts_is_off_by_its_drift_alone(design: Robot, share: float) -> None:
     """As bad a quartz as there is: nine seconds a day."""
@@ -241,6 +243,7 @@ def test_the_robot_is_marked_on_every_face_while_the_clock_is_off(design: Robot)
     assert told["suspect_time"] == [{"begin": begin, "end": end, "ahead": -10800.0, "outcome": ""}]
 
 
+@pytest.mark.full
 def test_a_clock_set_back_by_hours_makes_no_robot_deaf(design: Robot) -> None:
     """It goes on, also over a restart in those hours, and the next day all sums are those of a clock that was right."""
     off = stepped(BOOT + 200 * SECOND, -3 * HOUR, BOOT + DAY // 2)
@@ -274,6 +277,7 @@ def test_1970_for_ever_counts_all_the_same(design: Robot) -> None:
     assert not life.ledger.counts
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("wrong", [0, IN_2038], ids=["1970", "2038"])
 def test_a_clock_that_is_wrong_at_a_boot_and_right_later(design: Robot, wrong: int) -> None:
     """The robot has a past: time goes on from it; the night counts as rest once the clock is believed."""
@@ -388,6 +392,7 @@ def together(two_topics: Robot) -> dict[str, Any]:
     return watch(two_topics, TwoMachines(0.0), period=0.1).ledger.to_json()
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("off", [5.0, -5.0, 3600.0, -3600.0])
 def test_two_machines_whose_clocks_are_apart(
     two_topics: Robot, together: dict[str, Any], off: float, tmp_path: Path

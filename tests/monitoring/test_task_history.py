@@ -152,6 +152,7 @@ def stopped(drive: SyntheticOta, design: Robot, at: int) -> Monitor:
     return observer
 
 
+@pytest.mark.full
 def test_predicted_is_what_a_monitor_stopped_then_says(
     judged: tuple[list[TaskRecord], Monitor], drive: SyntheticOta
 ) -> None:

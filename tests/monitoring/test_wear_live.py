@@ -237,6 +237,7 @@ def test_tasks_of_a_recording_are_judged_by_the_wear_there_was_then():
     assert early["nominal"].probability == late["nominal"].probability
 
 
+@pytest.mark.full
 def test_a_reading_costs_little(lived):
     """A sample of a signal of wear, folded as it comes: far below a millisecond."""
     monitor = Monitor(ROBOT, Ledger.of(ROBOT, json.loads(json.dumps(lived.ledger.to_json()))), period=1.0)

@@ -62,6 +62,7 @@ def test_its_fields_are_there_and_sound(name):
         assert len(entry.reasoning) > 30
 
 
+@pytest.mark.full
 @every
 def test_it_is_found_by_its_name_and_its_first_word(name):
     entry = ENTRIES[name]

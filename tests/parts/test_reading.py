@@ -122,6 +122,7 @@ def test_another_package_brings_entries_of_its_own(other):
     assert done.stdout.split(" ", 3) == ["3.0", "things", "['test_part']", f"{len(library()) + 1}\n"], done.stderr
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("text", "value", "said"),
     [

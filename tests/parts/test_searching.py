@@ -58,6 +58,7 @@ def test_whatever_the_words_it_ends_soon_and_gives_entries():
     assert time.monotonic() - begun < 20
 
 
+@pytest.mark.full
 def test_one_slip_in_a_long_word_is_forgiven_wherever_it_is():
     """Each letter but the first of the first words of the library, left out, finds the entry still."""
     said = " ".join(f"{entry.title} {' '.join(entry.words)}".casefold() for entry in library().values())

@@ -20,6 +20,7 @@ from robophm.parts import library, search
 ROWS = list(csv.DictReader((Path(__file__).parents[1] / "data/words_of_robots.csv").read_text().splitlines()))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("number", "phrases", "right"), [("1", 157, 157), ("2", 120, 119), ("3", 100, 100), ("4", 297, 296)]
 )

@@ -62,6 +62,7 @@ def test_a_robot_that_has_failed_and_one_in_which_nothing_ages():
     assert "Nothing gains" in "".join(replace_first(young, both(young), None))
 
 
+@pytest.mark.full
 def test_two_thousand_parts_are_bounded(monkeypatch):
     design = robot(2100)
     page = "".join(matters(design, both(design), 10.0))

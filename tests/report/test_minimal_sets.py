@@ -125,6 +125,7 @@ def test_what_takes_too_long_is_said(monkeypatch, rover, limit, least):
     )
 
 
+@pytest.mark.full
 def test_more_sets_than_digits_can_be_written():
     """3^9100 cut sets are a number of 4,342 digits, of which Python writes 4,300."""
     wide = Parallel(*(Series(*(Unit(f"{i} {j}") for j in range(3))) for i in range(9100)))

@@ -78,6 +78,7 @@ def test_weibull_at_alternating_temperatures(design, same_plan, tasks):
     assert fits(effective, weibull(2.5, RATE))
 
 
+@pytest.mark.full
 @IN_AND_AFTER
 def test_hazard_that_is_scaled(design, same_plan, tasks):
     """H(t) = ∫ψ·h₀(a)da is Exp(1) at the failure; by the definition, round by round."""
@@ -95,6 +96,7 @@ def test_hazard_that_is_scaled(design, same_plan, tasks):
     assert fits(hazards, stats.expon())
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("scaling", ["age", "hazard"])
 def test_after_the_record_it_goes_on_as_within(design, same_plan, scaling):
     """The same lives, lived task by task and computed at once, over a thousand rounds and more."""
@@ -149,6 +151,7 @@ def test_share_of_failed_tasks(design, same_plan):
     assert (lengths[np.array(lives.failed)] < 3 * HOUR).all()
 
 
+@pytest.mark.full
 def test_duty(design, same_plan):
     """A part that no leg needs ages by its duty."""
     robot = design("components: {a: {rate: 1e-9 /h}, b: {rate: 0.05 /h, duty: 0.25}}\ndiagram: b\nfunctions: {f: a}")

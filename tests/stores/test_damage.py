@@ -112,6 +112,7 @@ def judge(sound: Path, folder: Path, seeds: range, restore: int = 1) -> dict[str
     return counts
 
 
+@pytest.mark.full
 def test_flipped_bits_are_found_and_the_last_good_state_comes_back(sound: Path, tmp_path: Path) -> None:
     counts = judge(sound, tmp_path, range(250), restore=10)
     assert counts["said"] > 100
@@ -170,6 +171,7 @@ def judge_log(crashed: Path, folder: Path, seeds: range, caplog: pytest.LogCaptu
     return counts
 
 
+@pytest.mark.full
 def test_flipped_bits_in_the_log_of_a_store_that_was_killed_are_said(
     crashed: Path, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -133,6 +133,7 @@ def recorded_day(day: SyntheticOta, tmp_path_factory: pytest.TempPathFactory) ->
     return day.record(tmp_path_factory.mktemp("day") / "day.mcap")
 
 
+@pytest.mark.full
 def test_tasks_are_true_to_the_drive(day: SyntheticOta, recorded_day: Path) -> None:
     """Times are those between looks, places those of the robot then, and the way between them was straight."""
     times, places = told(recorded_day, "/ota/task_time"), told(recorded_day, "/ota/task_position")

@@ -63,6 +63,7 @@ HELD = {
 }
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("said", HELD.values(), ids=HELD)
 def test_many_that_say_no_more_keep_nobody_out_at_their_own_address(served: Served, said: bytes) -> None:
     with ExitStack() as stack:

@@ -125,6 +125,7 @@ def test_the_past_goes_on_over_edits_starts_and_restarts(
         assert ages(served) == hours(traction_motor=3, traction_brake=3, traction_lamp=3, horn=2)
 
 
+@pytest.mark.full
 def test_what_a_hand_edit_leaves_open_is_answered_on_the_page(
     cart: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

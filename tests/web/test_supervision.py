@@ -67,6 +67,7 @@ def test_what_fails_is_loud_and_is_tried_again(tmp_path: Path, monkeypatch: pyte
         assert served.client.get("/readyz").status_code == 200  # a person has stopped it
 
 
+@pytest.mark.full
 @pytest.mark.skipif(os.name == "nt", reason="needs signals")
 def test_it_ends_soon_after_sigterm_and_its_supervisor_knows(tmp_path: Path) -> None:
     design = tmp_path / "robot.yaml"

@@ -163,6 +163,7 @@ def test_ranks_that_forget_who_still_worked_say_so():
     assert not any("by this line" in one for one in fit(life_data([200, 300, 420], [500]), how="ranks").notes)
 
 
+@pytest.mark.full
 def test_lives_younger_than_anything_watched_are_said():
     """Of parts watched from half of their age on, with the share before the youngest by SciPy."""
     rng = np.random.default_rng(1)
@@ -203,6 +204,7 @@ def test_the_right_distribution_wins():
     assert fits[-1].below_zero > 0.01 or fits[-1].name in ("normal", "gumbel")
 
 
+@pytest.mark.full
 def test_three_parts_are_ranked_without_the_correction():
     fits, _ = fit_all(life_data([100.0, 100.0001, 100.0002]))
     assert math.isinf(next(one for one in fits if one.name == "weibull").aic_corrected)

@@ -45,6 +45,7 @@ def test_constant_rates():
     assert found.survival(np.array([300.0])) == pytest.approx(math.exp(-300 * 5 / 2010), rel=1e-4)
 
 
+@pytest.mark.full
 def test_modes_of_robots_that_really_fail():
     """Whichever of two is first, some censored, some not watched from new: the truths are in the intervals, and draws
     of the fitted modes have the part's mean, quantiles and shares.
@@ -129,6 +130,7 @@ def test_circuits_of_which_few_ever_fail():
     assert found.quantiles[0.001] == pytest.approx(eta * (-math.log1p(-0.001 / found.share.value)) ** (1 / beta))
 
 
+@pytest.mark.full
 def test_where_all_fail_it_is_not_shown():
     rng = np.random.default_rng(3)
     shown = 0

@@ -258,6 +258,7 @@ def looked_at(rng, name, levels, every, end, parts):
     return np.array(low), np.array(high), np.array(at)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", ["weibull", "lognormal"])
 def test_lives_within_intervals(name):
     """Against the likelihood of all censoring written down and searched by scipy: intervals, left, right, and known."""

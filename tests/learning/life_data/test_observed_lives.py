@@ -160,6 +160,7 @@ def test_late_entry_of_a_constant_rate(read):
         fit(none)
 
 
+@pytest.mark.full
 def test_late_entry_at_stress():
     """By inverse power: the same likelihood as of one stress speeded up by hand."""
     rng = np.random.default_rng(5)

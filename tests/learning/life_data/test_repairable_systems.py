@@ -28,6 +28,7 @@ def test_published():
     assert unbiased.mean_time[1:] == pytest.approx(likeliest.mean_time[1:], rel=1e-12)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("n", [4, 12])
 def test_by_simulation(n):
     """Power law processes of known β, ended by their n-th failure: Crow's estimate is unbiased, intervals are exact."""

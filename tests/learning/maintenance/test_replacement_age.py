@@ -99,6 +99,7 @@ def test_imperfect_repair_lies_between():
     assert as_new.never == pytest.approx(4 / WEARING.mean(), rel=0.02)
 
 
+@pytest.mark.full
 def test_the_chosen_age_is_the_best_of_a_grid():
     """Simulated, on the same lives: within 1 % of the best on a grid."""
     rng = np.random.default_rng(3)

@@ -101,6 +101,7 @@ def test_a_robot_without_failures_is_never_worse_than_its_fleet():
         assert found.robots[0].times <= found.next.times <= max(1.0, math.fsum(n) / math.fsum(expected))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("longer", [0.0, 0.7])
 def test_intervals_hold_of_robots_drawn_from_a_gamma(longer):
     """However unequally they work."""
@@ -114,6 +115,7 @@ def test_intervals_hold_of_robots_drawn_from_a_gamma(longer):
     assert np.mean(means) >= 0.72  # less in one of a hundred
 
 
+@pytest.mark.full
 def test_calibration_in_short():
     """A little of ``python -m benchmarks.learned_rates``: lognormal robots, and rates stated too low."""
     assert faults(*scored(12, 100, seed=5), margin=0.16) == []

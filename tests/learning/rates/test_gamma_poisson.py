@@ -109,6 +109,7 @@ def test_how_sure_a_rate_is():
     assert shape_between(2.0, 2.0) == 1e12
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("off", [0.1, 10.0])
 @pytest.mark.parametrize("prior", [0.3, 1.0])
 def test_coverage_and_conflict_by_enumeration(off, prior):
@@ -129,6 +130,7 @@ def test_a_right_prior_is_seldom_doubted():
     assert np.mean(doubted) < 0.075
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("off", [3.0, 5.0])
 def test_a_rate_stated_too_low_is_found(off):
     """Seen until its n-th failure, summed over how long that takes: from the second on 90 % intervals hold."""

@@ -76,6 +76,7 @@ def covered(tmp_path, life, off, prior, repetitions, seed):
     return held / repetitions, flagged / repetitions
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("off", "life"), [(0.1, "exponential"), (10.0, "exponential"), (10.0, LOGNORMAL)])
 def test_a_prior_ten_times_off(tmp_path, off, life):
     share, flagged = covered(tmp_path, life, off, 1.0, 40, 4)

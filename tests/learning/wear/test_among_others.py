@@ -117,6 +117,7 @@ def test_before_a_trend_shows_it_is_by_the_lives_of_the_others():
     assert found.remaining == pytest.approx(law.quantile(np.array([0.05, 0.5, 0.95])), rel=0.08)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("spread", [0.1, 0.3])
 def test_one_other_is_a_teacher_whose_kind_differs_as_kinds_mostly_do(spread):
     """Of a kind that differs by 0.1 to 0.3: of 20 intervals 15 or more hold (fewer: 1 % of runs); none is open."""

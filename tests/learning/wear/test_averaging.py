@@ -23,6 +23,7 @@ def simulated(rng, bend, noise, goal=4.0, drift=0.05, spread=0.05):
             return np.arange(1.0, n + 1), path[:n] + 1 + noise * rng.standard_normal(n), goal + 1, end - n
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("bend", "noise"),
     [
@@ -151,6 +152,7 @@ def test_one_bad_reading_is_no_knee():
     assert not forecast(np.arange(61), np.r_[wear, wear[-1] + 0.05], 20.0, draws=50).followed
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("bend", "noise"),
     [

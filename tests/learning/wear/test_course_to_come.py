@@ -15,6 +15,7 @@ def seen(times, values, threshold, *, falls=False):
     return SimpleNamespace(readings=SimpleNamespace(times=times), values=values, wear=wear)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("falls", [False, True])
 def test_a_straight_course_lies_within_its_band_up_to_the_threshold(falls):
     sign = -1.0 if falls else 1.0

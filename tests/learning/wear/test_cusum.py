@@ -39,6 +39,7 @@ def achieved(rho, readings, count, wanted, seed):
     return np.array(found), np.array(promised)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("rho", "readings"),
     [
@@ -75,6 +76,7 @@ def test_false_alarms_come_as_promised_in_full(rho, readings):
     assert 0.5 < found.mean() < 2
 
 
+@pytest.mark.full
 def test_a_baseline_of_few_independent_readings_promises_nothing():
     rng = np.random.default_rng(3)
     assert not any(design(followed(rng, 0.97, 100), 1000.0).promised for _ in range(4))
@@ -98,11 +100,13 @@ def test_a_shift_is_seen_as_soon_as_stated():
         assert np.median(first) == pytest.approx(detector.delay, abs=1.5)
 
 
+@pytest.mark.full
 def test_longer_baselines_need_lower_limits():
     rng = np.random.default_rng(1)
     assert design(rng.standard_normal(30), 1000.0).limit > design(rng.standard_normal(3000), 1000.0).limit
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("wanted", [10.0, 1e5])
 def test_rare_and_frequent_alarms_have_their_limits(wanted):
     detector = design(np.random.default_rng(7).standard_normal(2000), wanted)

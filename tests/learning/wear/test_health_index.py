@@ -60,6 +60,7 @@ def test_nasas_engines():
     assert held >= 0.85
 
 
+@pytest.mark.full
 def test_the_same_readings_give_the_same_and_signals_that_stand_still_do_not_matter():
     rng = np.random.default_rng(2)
     fleet = [course(rng) for _ in range(12)]

@@ -35,6 +35,7 @@ def test_one_that_lasted_far_longer_than_all_others_has_a_future():
     assert np.all(np.diff(rest) > 0)
 
 
+@pytest.mark.full
 def test_those_that_go_on_are_the_most_likely_of_a_tobit_model(monkeypatch):
     """With hardly a prior the EM ends where the likelihood of Tobit's model is highest."""
     monkeypatch.setattr(log_regression, "COUNTS", 1e-9)

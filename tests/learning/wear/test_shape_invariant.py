@@ -61,6 +61,7 @@ def test_the_likelihood_is_that_of_all_readings_at_once():
     assert found == pytest.approx(expected + prior, abs=0.05)
 
 
+@pytest.mark.full
 def test_intervals_hold_of_a_kind_that_goes_so():
     """Paces and sizes that scatter by 0.15, straying of 0.02: of 30 intervals 23 or more hold (fewer: 1 % of runs)."""
     rng, held = np.random.default_rng(4), 0

@@ -65,6 +65,7 @@ def test_a_constant_rate_says_nothing_of_when_wear_ends():
     assert StatedLife(Exponential(rate=1e-3), 0.0).given(seen, 10.0) is seen
 
 
+@pytest.mark.full
 def test_it_counts_alone_and_not_beside_others_that_wore_out():
     t = np.arange(1.0, 31.0)
     stated = StatedLife(Weibull(scale=60.0, shape=6.0), 0.0)

@@ -22,6 +22,7 @@ def straight(rng, noise, n=60):
     return t, path + noise * rng.standard_normal(n)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("noise", [0.0, 0.03, 0.1, 0.3])
 def test_straight_wear_is_seldom_taken_for_bent(noise):
     """No more than as stated: of 200 a true share of 5 % gives more than 19 in less than 1 %."""

@@ -119,6 +119,7 @@ def test_dates_count_hours_and_what_is_around_is_taken_off(tmp_path: Path) -> No
     assert found.wear.remaining.low < (40 - 20 - 11.9) / 0.1 * 24 < found.wear.remaining.high
 
 
+@pytest.mark.full
 def test_what_the_load_does_is_not_taken_for_noise(tmp_path: Path) -> None:
     """A current that rises by 0.01 an hour, and by 3 with its load; its threshold is the design's."""
     rng = np.random.default_rng(3)

@@ -42,6 +42,7 @@ def start(broker: Broker, folder: Path) -> subprocess.Popen[str]:
     return process
 
 
+@pytest.mark.full
 def test_ctrl_c_twice_while_it_starts_is_an_end_and_no_error(broker: Broker, tmp_path: Path) -> None:
     with start(broker, tmp_path) as process:
         for _ in range(2):
@@ -63,6 +64,7 @@ def flood(port: int, over: threading.Event) -> None:
             broker.sendall(some)
 
 
+@pytest.mark.full
 def test_sigterm_ends_it_within_seconds_under_a_flood_and_what_was_taken_is_kept(
     broker: Broker, tmp_path: Path
 ) -> None:

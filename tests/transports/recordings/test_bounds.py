@@ -102,6 +102,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return {suffix: drive.record(folder / f"drive{suffix}") for suffix in (".bag", ".db3", ".mcap")}
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("says", [1000, GIGABYTE])
 @pytest.mark.parametrize("compression", ["zstd", "lz4"])
 def test_a_chunk_of_mcap(compression: str, says: int, whole: dict[str, Path], tmp_path: Path) -> None:
@@ -118,6 +119,7 @@ def test_a_chunk_of_mcap(compression: str, says: int, whole: dict[str, Path], tm
     assert found.said.split("\n")[0] == found.said.split("\n")[1] != "0"
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("compression", "says"), [("bz2", 1000), ("lz4", 1000), ("lz4", GIGABYTE)])
 def test_a_chunk_of_a_bag(compression: str, says: int, whole: dict[str, Path], tmp_path: Path) -> None:
     content = whole[".bag"].read_bytes()

@@ -141,6 +141,7 @@ def test_only_what_has_its_checksum_counts(tmp_path: Path) -> None:
     }
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "filling", [b"\xfd", bytes(8) + b"\xfe\xff\x00\x01\x01\x1e" + b"\xfe" * 257], ids=["FD", "long"]
 )

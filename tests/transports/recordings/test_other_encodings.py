@@ -126,6 +126,7 @@ def write_json(path: Path, schema: Any, messages: Sequence[bytes], topic: str = 
     return path
 
 
+@pytest.mark.full
 def test_every_number_of_every_type_of_foxglove_is_as_mcap_reads_it(tmp_path: Path) -> None:
     chance = random.Random(7)
     types = foxglove_types()
@@ -363,6 +364,7 @@ def test_elements_of_a_map_have_the_names_of_their_keys(tmp_path: Path) -> None:
     assert found == {f"/pack.{field}": value for field, value in (wanted | {"torque[elbow].value": 9.0}).items()}
 
 
+@pytest.mark.full
 def test_a_map_whose_keys_have_one_hash_takes_no_longer_than_others() -> None:
     """Of a message in which the library's own maps would compare each of 20,000 keys with all before it."""
     file = descriptor_pb2.FileDescriptorProto(name="map.proto", package="p", syntax="proto3")

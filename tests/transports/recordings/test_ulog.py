@@ -125,6 +125,7 @@ def test_what_is_cut_or_lost_is_said(tmp_path: Path) -> None:
     assert source.notes["damaged, and read as far as it is whole"] == 1
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("filling", [b"\0", b"\0\0D", b"\1\0\1\0"], ids=["zeros", "no content", "unknown"])
 def test_megabytes_of_what_is_no_message_take_no_minutes(filling: bytes, tmp_path: Path) -> None:
     path = tmp_path / "filled.ulg"

@@ -94,6 +94,7 @@ def test_every_number_is_read_as_it_comes(tmp_path: Path, encoding: str, schema:
         assert [one.value for one in recording.samples(["/pack.joints[lift].effort"])] == [-step for step in range(50)]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("encoding", ENCODERS)
 def test_a_field_that_few_messages_have_is_read_where_it_is_asked_for(tmp_path: Path, encoding: str) -> None:
     each: list[dict[str, Any]] = [{"volts": step} for step in range(3000)]

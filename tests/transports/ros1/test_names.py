@@ -71,6 +71,7 @@ print(json.dumps(found))
     assert [[names_of(words, namespace).of(name) for name in NAMES] for namespace, words in GIVEN] == expected
 
 
+@pytest.mark.full
 def test_a_node_that_roslaunch_starts_has_its_name_and_heeds_remaps(ros: System, tmp_path: Path) -> None:
     """45 °C is 20 K more than where the rate is stated: four times as much, by a relative name that is remapped."""
     (tmp_path / "robot.yaml").write_text(DESIGN)

@@ -38,6 +38,7 @@ while not rospy.is_shutdown():
 """
 
 
+@pytest.mark.full
 def test_each_of_two_robots_is_watched_by_itself(ros: System, tmp_path: Path) -> None:
     ros.talk(TALK)
     (tmp_path / "robot.yaml").write_text(DESIGN)

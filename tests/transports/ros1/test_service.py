@@ -174,6 +174,7 @@ while not rospy.is_shutdown():
             assert one[f"failure_{view}"] == pytest.approx(together[view]["failure"], rel=1e-12)
 
 
+@pytest.mark.full
 def test_the_master_that_is_started_anew_is_told_again(system: System, monkeypatch: pytest.MonkeyPatch) -> None:
     system.start_master()
     monkeypatch.setenv("ROS_MASTER_URI", system.uri)

@@ -202,6 +202,7 @@ while True: out.publish(1.0); rospy.sleep(0.01)
         source.samples([])
 
 
+@pytest.mark.full
 def test_rosnode_sees_and_ends_us(ros: System) -> None:
     others = ours(ros)
     with Ros1(ros.uri) as live:

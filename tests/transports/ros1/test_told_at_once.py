@@ -117,6 +117,7 @@ def test_what_is_lost_is_told_within_a_second(ros: System, tmp_path: Path) -> No
     assert {where: round(min(times), 2) for where, times in took.items() if min(times) > 1} == {}
 
 
+@pytest.mark.full
 def test_before_there_is_a_time_it_is_told_that_nothing_counts(system: System, tmp_path: Path) -> None:
     """Under use_sim_time, as long as nobody publishes /clock."""
     system.start_roscore()
@@ -137,6 +138,7 @@ def python_path(roscore: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return generated(tmp_path_factory.mktemp("new"), **ours)
 
 
+@pytest.mark.full
 def test_the_designs_task_is_predicted_in_the_first_message(system: System, tmp_path: Path, python_path: Path) -> None:
     """Two hours at 0.01 /h, as there is nothing else yet; of a task that was done nothing is known."""
     system.start_master()  # its own: it would tell of this reader for ever

@@ -67,6 +67,7 @@ def robot() -> Robot:
     return parse(DESIGN)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("how", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.full)])
 def test_a_journal_replayed_gives_the_ledger_bit_for_bit(
     ros: System, robot: Robot, tmp_path: Path, how: signal.Signals
@@ -167,6 +168,7 @@ def test_a_watcher_that_was_killed_loses_nothing_that_its_journal_has(
         assert store.ledger("R") == replayed.ledger("R")
 
 
+@pytest.mark.full
 def test_a_topic_that_nobody_publishes_is_waited_for(system: System, tmp_path: Path) -> None:
     system.start_master()  # one that has never heard of it
     process = start(system, tmp_path, "--journal", "run.journal")
@@ -209,6 +211,7 @@ def test_no_master(tmp_path: Path, ros: System) -> None:
     assert not (tmp_path / "past.db").exists()
 
 
+@pytest.mark.full
 def test_a_robot_whose_clock_is_behind_its_past_is_heard_and_that_is_said(
     ros: System, robot: Robot, tmp_path: Path
 ) -> None:
@@ -231,6 +234,7 @@ def test_a_robot_whose_clock_is_behind_its_past_is_heard_and_that_is_said(
     assert not [note for note in last["notes"] if "late" in note]
 
 
+@pytest.mark.full
 def test_publishing_that_is_ended_by_others_is_told_at_once(ros: System, tmp_path: Path) -> None:
     """As by a second watcher of the same robot, or by rosnode kill: the watch goes on, and says so."""
     ros.talk(TALKER)

@@ -55,6 +55,7 @@ def sourced(request: pytest.FixtureRequest, domain: int, tmp_path: Path) -> dict
     }  # fmt: skip
 
 
+@pytest.mark.full
 @mostly("of another ABI")
 def test_topics_are_heard_and_it_is_said_why(
     motor: Peer, cyclonedds: None, sourced: dict[str, str], tmp_path: Path
@@ -102,6 +103,7 @@ def test_what_the_launch_file_runs_watches_and_says_each_line_at_once(
     assert process.returncode == 0, warned
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("sourced", ABIS, indirect=True)
 def test_without_the_wheel_it_is_said_which_rclpy_it_is(sourced: dict[str, str], tmp_path: Path) -> None:
     """The wheel is hidden by a name that cannot be found, as on a machine that has none."""

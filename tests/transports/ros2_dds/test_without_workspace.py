@@ -98,6 +98,7 @@ def test_a_type_in_a_type_of_an_action_is_a_message(tmp_path: Path, monkeypatch:
     assert "own_msgs/msg/Part" in found.type.definitions
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("package", ["control_msgs", "nav2_msgs", "px4_msgs"])
 def test_every_definition_is_whole(package: str) -> None:
     """All types in it are there too, of the same release; a type that no release changed has one hash."""

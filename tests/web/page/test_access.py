@@ -13,6 +13,7 @@ from ..conftest import SMALL, serving
 from .conftest import Visit
 
 
+@pytest.mark.full
 def test_a_person_logs_in_by_the_page_and_out(tmp_path: Path, visit: Callable[..., Visit]) -> None:
     design = tmp_path / "courier.yaml"
     design.write_text(SMALL)

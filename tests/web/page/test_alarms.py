@@ -152,6 +152,7 @@ def test_an_alarm_is_seen_drawn_and_acknowledged(oven, visit, tmp_path):
     look.open("alarms").get_by_role("list", name="Cleared alarms").get_by_text("acknowledged by Bob").wait_for()
 
 
+@pytest.mark.full
 def test_alarms_are_events_of_the_history(oven, visit):
     look = visit(oven)
     page = look.open("live")
@@ -212,6 +213,7 @@ def test_an_alarm_that_begins_is_told_on_the_desktop_where_that_is_wished(visit,
         assert look.serious() == []
 
 
+@pytest.mark.full
 def test_without_the_permission_nothing_is_told_and_it_is_said(visit, shared_small):
     page = visit(shared_small).open("alarms")
     page.get_by_label("notify on this desktop").click()

@@ -31,6 +31,7 @@ def lived(tmp_path_factory):
         yield served
 
 
+@pytest.mark.full
 def test_from_a_year_to_a_day_to_the_report_of_then(visit, lived):
     look = visit(lived)
     page = look.open("history")
@@ -75,6 +76,7 @@ HOT = SMALL.replace(
 )
 
 
+@pytest.mark.full
 def test_since_when_a_stress_is_beyond_its_design_and_its_course_beside_the_figures(visit, tmp_path):
     """Four hours at 20 °C, then at 40 °C, designed for 25 °C; a report every ten minutes."""
     design, begin = tmp_path / "courier.yaml", BEGIN // SECOND
@@ -144,6 +146,7 @@ def test_whether_it_was_honest_is_one_click_from_the_overview(visit, tmp_path):
         assert look.serious() == []
 
 
+@pytest.mark.full
 def test_moments_are_local_where_that_is_wished(visit, lived):
     """Kolkata is 5 h 30 min ahead of UTC, all year; marks of an axis stand at its hours."""
     look = visit(lived, timezone_id="Asia/Kolkata")

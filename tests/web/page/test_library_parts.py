@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import pytest
+
 from ..conftest import serving
 
 TEXT = "schema_version: 1\nname: R\ncomponents:\n  Lidar: {part: lidar_2d}\n  Fan: {mtbf: 9000 h}\n"
 
 
+@pytest.mark.full
 def test_a_part_of_the_library_in_the_forms(visit, tmp_path):
     design = tmp_path / "robot.yaml"
     design.write_text(TEXT)

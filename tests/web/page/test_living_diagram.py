@@ -121,6 +121,7 @@ def test_a_block_beyond_its_limit_is_an_error(small):
     assert states == {"drive": "error", "see": "idle"}
 
 
+@pytest.mark.full
 def test_parts_that_depend_on_each_other_have_a_share_together_alone(small):
     spares = {"standby": {"of": ["lidar", "camera"]}}
     small.edit({"op": "put", "path": ["modules", "see", "diagram"], "value": spares})

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from ..conftest import SMALL, serving
 
 WRONG = [  # what is put where, what is said of it, and at which box of the level
@@ -72,6 +74,7 @@ def test_a_design_for_which_no_figures_can_be_given_is_drawn_without_them(visit,
         page.locator(".canvas").get_by_text("no exact solution").wait_for()
 
 
+@pytest.mark.full
 def test_yaml_that_is_broken_at_the_start_is_mended_on_the_page(visit, tmp_path):
     design = tmp_path / "courier.yaml"
     design.write_text(SMALL.replace("encoder: {rate: 2 FPMH}", "encoder: {rate: 2 FPMH"))

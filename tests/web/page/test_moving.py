@@ -58,6 +58,7 @@ def module(served, name):
     return served.get("/api/design")["document"]["modules"][name]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("late", [0, *(pytest.param(one, marks=pytest.mark.full) for one in (2222, 6666666))])
 def test_a_box_is_dragged_into_a_module_and_into_a_group(courier, visit, late):
     page = visit(courier, late).open("design/drive")

@@ -81,6 +81,7 @@ def test_a_share_that_is_a_bit_below_one_is_not_called_all(tmp_path, visit):
         assert row.get_by_role("cell").all_text_contents()[-1] == "99.999 %"
 
 
+@pytest.mark.full
 def test_rates_as_one_in_so_many_hours(shared_small, visit):
     """Two motors at 8 FPMH and an encoder at 2: one in 55,560 h."""
     page = visit(shared_small).open("settings")

@@ -380,6 +380,7 @@ def test_the_space_bar_chooses_once_and_a_new_part_is_of_unknown_rate(served, vi
         assert look.wrong == []
 
 
+@pytest.mark.full
 def test_every_setting_has_an_effect(served, visit):
     """Of the robot: λ = 18e-6 /h (a lidar and a camera in parallel fail by and by), R = 1, a task of one hour."""
     with served(SMALL) as courier:

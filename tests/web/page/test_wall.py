@@ -63,6 +63,7 @@ def test_it_stands_inside_the_pages_that_are_named_and_in_no_others(tmp_path: Pa
         page.close()
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("width", [390, 1920])
 def test_it_fits_and_is_accessible(tmp_path: Path, visit, width: int) -> None:
     design = tmp_path / "courier.yaml"
@@ -78,6 +79,7 @@ def test_it_fits_and_is_accessible(tmp_path: Path, visit, width: int) -> None:
         look.page.get_by_role("heading", name="express").wait_for()
 
 
+@pytest.mark.full
 def test_an_origin_that_is_none_is_refused() -> None:
     for wrong in ("grafana.example", "http://a.example/path", "*", "http://a.example; script-src *", "https://"):
         with pytest.raises(RobophmError, match=r"expected the origin of a page"):

@@ -333,6 +333,7 @@ def test_groups_nest_so_far(made):
         made(nested(2000))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("text", "says"),
     [

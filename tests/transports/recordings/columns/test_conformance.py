@@ -120,6 +120,7 @@ def check(path: Path, content: bytes, expected: dict[str, list[tuple[int, float]
         assert not source.notes
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "holds", [pytest.param(one, marks=pytest.mark.full) if one == "ten messages" else one for one in HOLDS]
 )

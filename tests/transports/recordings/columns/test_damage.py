@@ -123,6 +123,7 @@ def test_a_bag_whose_first_record_is_damaged(recorded: dict[str, Path], tmp_path
     assert rows(changed(path, 13, b"\xff" * 8)) == rows(recorded[".bag"])
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("table", ["topics", "messages"])
 def test_tables_that_never_end(table: str, recorded: dict[str, Path], tmp_path: Path) -> None:
     """A view that counts for ever in the place of a table, and rows of a gigabyte that take no byte of the file."""
@@ -150,6 +151,7 @@ def hour(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return {suffix: drive.record(folder / f"x{suffix}") for suffix in (".bag", ".mcap")}
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", ["ZSTD.mcap", "LZ4.mcap", "LZ4.bag", "BZ2.bag"])
 def test_a_chunk_whose_end_is_missing_is_unpacked_as_far_as_it_goes(
     name: str, hour: dict[str, Path], tmp_path: Path

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.cases import some
 
 from .fuzz import log_judge, logs, messages
 from .fuzz.__main__ import OUTCOMES, repeat, tallied
@@ -52,7 +53,7 @@ LOGS_AND_TABLES = each(logs.FORMATS)
 MESSAGES = each(messages.FORMATS)
 
 
-@pytest.mark.parametrize("format_", LOGS_AND_TABLES)
+@pytest.mark.parametrize("format_", some(LOGS_AND_TABLES))
 def test_whatever_is_damaged_of_logs_and_tables(format_: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """No crash, no hang, columns as samples; nothing made up or lost without a word where checksums or lengths tell."""
     monkeypatch.syspath_prepend(Path(__file__).parents[4])  # for the processes
@@ -64,6 +65,7 @@ def test_whatever_is_damaged_of_logs_and_tables(format_: str, monkeypatch: pytes
     assert tally.memory < MEMORY
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("format_", MESSAGES)
 def test_whatever_is_damaged_of_messages(format_: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """No crash, no hang, numbers as the library of the encoding reads them; nothing lost without a word."""

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
+from tests.cases import examples
 
 from robophm.transports.recordings.columns.field_extraction import Elements, Numbers, Take
 from robophm.transports.recordings.columns.message_layout import NotCompilableError, compile_fields
@@ -57,7 +58,7 @@ def same(one: float | None, other: float | None) -> bool:
 
 @pytest.mark.parametrize(("store", "packed", "name"), KINDS, ids=IDS)
 @given(seed=st.integers(0, 2**32))
-@settings(max_examples=2, deadline=None, derandomize=True)
+@settings(max_examples=examples(2), deadline=None, derandomize=True)
 def test_all_fields_of_every_type_are_as_rosbags_decodes_them(store: Any, packed: bool, name: str, seed: int) -> None:
     chance = random.Random(seed)
     type_ = type_of(store, name, packed)
@@ -124,6 +125,7 @@ def plain(value: Any) -> Any:
     return value.item() if isinstance(value, np.generic) else value
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", numeric_types(CDR))
 def test_what_mcap_ros2_writes(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     for small in ("byte", "char"):  # rosbags and mcap-ros2 take the other one to be signed
@@ -230,6 +232,7 @@ def test_a_message_out_of_step_does_not_take_its_neighbours_along() -> None:
     assert set(np.flatnonzero(numbers.doubtful)) <= set(bad)
 
 
+@pytest.mark.full
 def test_pairs_of_types_in_one_message() -> None:
     """Every number behind every other, in messages and in sequences: where padding is got wrong."""
     numbers = ["bool", "byte", "char", "int16", "uint32", "int64", "float32", "float64", "string"]

@@ -36,6 +36,7 @@ def test_two_gigabytes_behind_the_end(suffix: str, recorded: dict[str, Path], tm
     assert cheaply(path) == expected
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("opcode", [9, 0x80, CHUNK])
 def test_two_gigabytes_in_a_record_of_mcap(opcode: int, recorded: dict[str, Path], tmp_path: Path) -> None:
     """An attachment, a record of a kind of its own or a chunk: before the data, where no offset holds any more."""
@@ -47,6 +48,7 @@ def test_two_gigabytes_in_a_record_of_mcap(opcode: int, recorded: dict[str, Path
     assert cheaply(path) == rows(recorded[".mcap"])
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("where", ["chunk", *(pytest.param(one, marks=pytest.mark.full) for one in ("header", "data"))])
 def test_two_gigabytes_in_a_record_of_a_bag(where: str, recorded: dict[str, Path], tmp_path: Path) -> None:
     content = recorded[".bag"].read_bytes()

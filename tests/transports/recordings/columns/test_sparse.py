@@ -76,6 +76,7 @@ def levels(path: Path) -> tuple[list[tuple[int, float]], Counter[str]]:
 CASES = [("ZSTD", ".mcap"), ("LZ4", ".mcap"), ("NONE", ".mcap"), ("LZ4", ".bag"), ("BZ2", ".bag"), ("", ".bag")]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("compression", "suffix"), CASES)
 @pytest.mark.parametrize("place", [0, pytest.param(2, marks=pytest.mark.full), 9])
 def test_values_of_large_chunks(
@@ -99,6 +100,7 @@ def test_values_of_large_chunks(
         assert max(unpacked) < IMAGE  # not even the first image of a chunk
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("compression", "suffix"), CASES)
 def test_an_index_that_points_elsewhere_loses_nothing(compression: str, suffix: str, tmp_path: Path) -> None:
     """Each offset of the temperatures' index in turn is another number: what is read begun is read in full then."""

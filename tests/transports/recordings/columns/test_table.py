@@ -101,6 +101,7 @@ def test_rows_of_other_types_are_counted(row: Any, tmp_path: Path) -> None:
     assert table_.lost == {"rows that are no messages lost": 1}
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("page", [512, 4096])
 def test_whatever_byte_of_the_tree_is_damaged_the_rows_of_sound_leaves_are_found(page: int, tmp_path: Path) -> None:
     """Of an inner page that is damaged nothing is lost: the leaves are there. No row is made up, nor comes twice."""

@@ -53,6 +53,7 @@ def numbers(path: Path, topic: str) -> tuple[list[float], bool]:
     return found, any(map(_SAID.search, columns.notes))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("compression", ["NONE", "LZ4"])
 def test_no_record_that_says_it_is_another_hides_messages(compression: str, tmp_path: Path) -> None:
     """Each record, in plain chunks too, is made one of each operation in turn."""

@@ -56,6 +56,7 @@ def places(content: bytes, compression: CompressionType) -> list[int]:
     return found
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("checksums", "compression"),
     [
