@@ -54,7 +54,7 @@ def compiled_by_cudd(variables: int, gates: Sequence[Gate], limit: int, until: f
 
 
 def _attempt(gates: Sequence[Gate], order: list[int], limit: int, soon: float, until: float) -> Compiled | int:
-    """What CUDD makes of the gates by an order, all of them soon and the nodes until then; else how many gates."""
+    """Compile by one order, all gates soon and their nodes until then; return how many gates were made if not all."""
     seconds = until - time.perf_counter()
     if seconds <= 0:
         return 0
@@ -80,7 +80,7 @@ def _attempt(gates: Sequence[Gate], order: list[int], limit: int, soon: float, u
 
 
 def _heard(process: subprocess.Popen[bytes], said: bytes, soon: float, until: float) -> bytes:
-    """What a process answers; it is waited for until then, once it has written a first end of line, which it does
+    """Return what a process answers; it is waited for until then, once it has written an end of line, which it does
     soon or never."""
     asked, answer = process.stdin, process.stdout
     assert asked

@@ -19,7 +19,7 @@ from robophm.blocks.graph import ALL, NOT, ODD
 from robophm.blocks.nodes import FALSE, TRUE
 
 MADE = b"."
-"""What is written for each gate that is made, before the nodes."""
+"""The sign that is written for each gate that is made, before the nodes."""
 
 
 def main() -> None:

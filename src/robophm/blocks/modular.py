@@ -120,7 +120,7 @@ class Modular:
 
 
 def _compiled(variables: int, gates: Sequence[tuple[int, list[int]]], limit: int, until: float) -> Compiled:
-    """What our own table takes too many steps for is left to CUDD, where it is installed."""
+    """Compile gates by our own table, or where it takes too many steps by CUDD, if that is installed."""
     try:
         return compiled(variables, gates, limit, until)
     except TooLargeError:
