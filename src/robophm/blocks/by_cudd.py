@@ -37,7 +37,7 @@ def compiled_by_cudd(variables: int, gates: Sequence[Gate], limit: int, until: f
     """Compile gates as ``compiling.compiled``; of the functions only the last one's nodes are in the table.
 
     Every order has a share of the time to make all gates, then the one that came furthest has what is left. Raises
-    TooLargeError where there are more than ``limit`` nodes, and where no order comes through.
+    TooLargeError where there are more than twice ``limit`` nodes, and where no order comes through.
     """
     until = min(until, time.perf_counter() + MOST_SECONDS)
     share = (until - time.perf_counter()) / _SHARE
@@ -71,7 +71,7 @@ def _attempt(gates: Sequence[Gate], order: list[int], limit: int, soon: float, u
         return len(made)
     root, *ends = np.frombuffer(nodes, dtype=np.int64).tolist()
     count = len(ends) // 3
-    if count > limit:
+    if count > 2 * limit:  # each takes a step of our own table, whose steps are mostly not its nodes
         raise too_large(limit)
     table = Table(len(order), limit)
     for level, high, low in zip(ends[:count], ends[count : 2 * count], ends[2 * count :], strict=True):
