@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robophm.blocks.compiling import compiled
+from robophm.blocks.by_cudd import available, compiled_by_cudd
+from robophm.blocks.compiling import Compiled, compiled
 from robophm.blocks.graph import Gate, modules
 from robophm.blocks.nodes import FALSE, TRUE, Table, TooLargeError, below
 from robophm.blocks.reduction import reduced
@@ -83,7 +84,7 @@ class Modular:
         gates = [(net[node].k, [place[i] for i in net[node].inputs]) for node in sorted(inside)]
         rows = [row[node] for node in variables]
         try:
-            table, order, function = compiled(len(variables), gates, limit, until)
+            table, order, function = _compiled(len(variables), gates, limit, until)
         except TooLargeError:
             self.unsolved[len(self.parts)] = Unsolved(rows, gates)
             self.parts.append(Part(rows, Table(len(rows), 0), FALSE, []))
@@ -116,3 +117,13 @@ class Modular:
             p.append(yes[number[part.root]])
             q.append(no[number[part.root]])
         return p[-1], q[-1]
+
+
+def _compiled(variables: int, gates: Sequence[tuple[int, list[int]]], limit: int, until: float) -> Compiled:
+    """Compile gates by our own table, or where it takes too many steps by CUDD, if that is installed."""
+    try:
+        return compiled(variables, gates, limit, until)
+    except TooLargeError:
+        if not available():
+            raise
+        return compiled_by_cudd(variables, gates, limit, until)

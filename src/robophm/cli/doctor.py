@@ -28,6 +28,7 @@ EXTRAS = {
     "parquet": ("tables in Parquet", ("pyarrow",)),
     "cbor": ("messages of CBOR in MCAP", ("cbor2",)),
     "msgpack": ("messages of MessagePack in MCAP", ("msgpack",)),
+    "bdd": ("large fault trees solved exactly, by CUDD", ("dd",)),
     "protobuf": ("messages of Protocol Buffers in MCAP", ("protobuf",)),
     "fleet": ("a fleet's service with PostgreSQL", ("fastapi", "uvicorn", "websockets", "psycopg")),
     "remote": ("recordings on web servers and in object storage", ("obstore",)),
