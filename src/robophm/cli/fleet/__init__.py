@@ -14,6 +14,7 @@ COMMANDS = {
     "status": "How each robot of a fleet is by its last report, and what was lost or refused.",
     "worst": "The robots that will most probably fail within a horizon, worst first, and the parts that cause it.",
     "history": "The figures of one robot over time.",
+    "learn": "Failure rates by what all robots of the fleet have gone through.",
     "assign": "Assign tasks to robots so that all are most probably completed, and explain why.",
     "simulate": "Simulate robots that work, really fail, and report to a running fleet; their records end now.",
     "replay": "Compute the health of many robots from their recordings; an interrupted run is continued.",
