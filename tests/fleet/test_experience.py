@@ -82,7 +82,7 @@ def test_lives_failures_and_what_was_promised_are_those_of_all_robots(store, rob
     found = experience(store, [robot])
     (one,) = found.designs
     assert [(each.robot, each.site, each.version, each.year) for each in one.robots] == [
-        ("r1", "not stated", "d1", "2025"), ("r2", "Kiel", "d1", "2025"), ("r3", "not stated", "d2", "2025"),
+        ("r1", None, "d1", "2025"), ("r2", "Kiel", "d1", "2025"), ("r3", None, "d2", "2025"),
     ]  # fmt: skip
     assert found.left_out == {"silent": "has sent no ledger yet"}
     rates = {each.mode.path: each for each in learn(robot, one.seen)}

@@ -23,9 +23,6 @@ from robophm.monitoring.rate_history import rate_history
 AT_ONCE = 200
 """Ledgers that are in memory at a time."""
 
-NOT_STATED = "not stated"
-"""The site of robots of which none is known."""
-
 MOST_NAMED = 3
 """Robots that an error names, at most."""
 
@@ -36,8 +33,8 @@ class ObservedRobot(NamedTuple):
     """A robot of a fleet and what each of its parts has gone through, failures and exposure."""
 
     robot: str
-    site: str
-    version: str
+    site: str | None
+    version: str | None
     """First eight digits of the hash of its design, by which versions of a design are told apart."""
     year: str
     """Year in which its record begins, by its own clock."""
@@ -84,7 +81,7 @@ def experience(store: FleetStore, designs: Sequence[Robot]) -> FleetExperience:
             except StoreError as error:
                 left_out[name] = str(error)
             else:
-                found[design].append(ObservedRobot(name, site or NOT_STATED, (digest or "")[:8], year, seen))
+                found[design].append(ObservedRobot(name, site, digest[:8] if digest else None, year, seen))
     if not found:
         why = "; ".join(f"{name}: {said}" for name, said in [*left_out.items()][:MOST_NAMED])
         raise DataError(f"{store.place}: no robot of {', '.join(by_name)} has sent a ledger of its work"
