@@ -26,7 +26,8 @@ AT_ONCE = 200
 MOST_NAMED = 3
 """Robots that an error names, at most."""
 
-_NO_LEDGER = (ArithmeticError, AttributeError, LookupError, OSError, TypeError, ValueError)
+NO_LEDGER = (ArithmeticError, AttributeError, LookupError, OSError, TypeError, ValueError, zlib.error)
+"""Errors by which it shows that what was sent in place of a ledger is none."""
 
 
 class ObservedRobot(NamedTuple):
@@ -61,31 +62,62 @@ class FleetExperience(NamedTuple):
     """Robots of which nothing is counted, and why."""
 
 
-def experience(store: FleetStore, designs: Sequence[Robot]) -> FleetExperience:
-    """Return the experience of robots of each design, by its name, as their newest ledgers have it.
+class KeptLedger(NamedTuple):
+    """A robot and its newest ledger, or why there is none that counts."""
+
+    robot: str
+    site: str | None
+    version: str | None
+    """First eight digits of the hash of its design."""
+    design: str
+    """Name of its design; empty where it is not known."""
+    ledger: Ledger | None
+    why: str
+    """Why it is left out; empty where it is not."""
+
+
+def kept_ledgers(store: FleetStore, designs: Sequence[Robot]) -> Iterator[KeptLedger]:
+    """Yield all robots of a fleet by name, with the ledgers of those of some designs. Raises StoreError, DataError.
 
     A ledger that was kept under another version of a design counts where each of its parts is told by its identity.
-    Raises DataError where two designs have one name, or no robot of any has sent a ledger.
     """
-    by_name, found, left_out = {one.name: one for one in designs}, defaultdict[str, list[ObservedRobot]](list), {}
+    by_name = {one.name: one for one in designs}
     if len(by_name) < len(designs):
         raise DataError("two designs have the same name, by which robots report of them; expected each once")
     for name, site, design, digest, *kept in _kept(store):
+        ledger, why = None, ""
         if design is None:
-            left_out[name] = "has sent no ledger yet"
+            why = "has sent no ledger yet"
         elif design not in by_name:
-            left_out[name] = f"is of another design, {design}"
+            why = f"is of another design, {design}"
         else:
             try:
-                year, seen = _lived(by_name[design], _ledger(store, name, kept), name)
+                ledger = _ledger(store, name, by_name[design], kept)
             except StoreError as error:
-                left_out[name] = str(error)
-            else:
-                found[design].append(ObservedRobot(name, site, digest[:8] if digest else None, year, seen))
+                why = str(error)
+        yield KeptLedger(name, site, digest[:8] if digest else None, design or "", ledger, why)
+
+
+def experience(store: FleetStore, designs: Sequence[Robot]) -> FleetExperience:
+    """Return the experience of robots of each design, by its name, as ``kept_ledgers`` has them.
+
+    Raises DataError where two designs have one name, or no robot of any has sent a ledger.
+    """
+    by_name, found, left_out = {one.name: one for one in designs}, defaultdict[str, list[ObservedRobot]](list), {}
+    for one in kept_ledgers(store, designs):
+        why = one.why
+        if one.ledger:
+            try:
+                year, seen = _lived(by_name[one.design], one.ledger, one.robot)
+                found[one.design].append(ObservedRobot(one.robot, one.site, one.version, year, seen))
+            except StoreError as error:
+                why = str(error)
+        if why:
+            left_out[one.robot] = why
     if not found:
-        why = "; ".join(f"{name}: {said}" for name, said in [*left_out.items()][:MOST_NAMED])
+        said = "; ".join(f"{name}: {why}" for name, why in [*left_out.items()][:MOST_NAMED])
         raise DataError(f"{store.place}: no robot of {', '.join(by_name)} has sent a ledger of its work"
-                        f"{f' ({why})' if why else ''}; expected one at least")  # fmt: skip
+                        f"{f' ({said})' if said else ''}; expected one at least")  # fmt: skip
     return FleetExperience(tuple(Experience(one, tuple(found[one.name])) for one in designs), left_out)
 
 
@@ -101,22 +133,25 @@ def _kept(store: FleetStore) -> Iterator[Row]:
         yield from rows
 
 
-def _ledger(store: FleetStore, name: str, kept: Sequence[Any]) -> bytes:
-    ledger, report, told = kept
-    if present_sum(ledger, report) != told:
+def _ledger(store: FleetStore, name: str, design: Robot, kept: Sequence[Any]) -> Ledger:
+    text, report, told = kept
+    if present_sum(text, report) != told:
         raise StoreError(f"{store.place}: the ledger of {name} is damaged: its checksum is another")
-    return ledger  # type: ignore[no-any-return]
+    try:
+        ledger = Ledger.of(design, json.loads(zlib.decompress(text)))
+    except NO_LEDGER as error:  # a robot may send whatever it likes in its place
+        raise StoreError(f"has sent a ledger that cannot be read: {type(error).__name__}") from None
+    if ledger.started is None:
+        raise StoreError("has not worked yet")
+    return ledger
 
 
-def _lived(design: Robot, kept: bytes, name: str) -> tuple[str, tuple[Seen, ...]]:
+def _lived(design: Robot, ledger: Ledger, name: str) -> tuple[str, tuple[Seen, ...]]:
     """The year in which a robot's record begins, and its experience; StoreError where a ledger does not tell them."""
     try:
-        ledger = Ledger.of(design, json.loads(zlib.decompress(kept)))
-        if ledger.started is None:
-            raise StoreError("has not worked yet")
-        year = str(datetime.fromtimestamp(ledger.started // SECOND, UTC).year)
+        year = str(datetime.fromtimestamp((ledger.started or 0) // SECOND, UTC).year)
         seen = tuple(rate_history(design, ledger, name))
-    except _NO_LEDGER as error:  # a robot may send whatever it likes in its place
+    except NO_LEDGER as error:
         raise StoreError(f"has sent a ledger that cannot be read: {type(error).__name__}") from None
     if any(not 0 <= value < math.inf for one in seen for value in (one.failures, one.expected, one.exposure)):
         raise StoreError("has sent a ledger with exposure that cannot be")

@@ -19,6 +19,7 @@ COMMANDS = {
     "proposals": "The designs that were proposed, and what was decided; or one of them with its evidence.",
     "accept": "Take a proposal: put its design into the file, and keep who did.",
     "roll-back": "Undo a proposal that was accepted: put the design before it into the file, and keep who did.",
+    "calibrate": "The failures that robots promised over their last thirty days, against those noted, by cohort.",
     "assign": "Assign tasks to robots so that all are most probably completed, and explain why.",
     "simulate": "Simulate robots that work, really fail, and report to a running fleet; their records end now.",
     "replay": "Compute the health of many robots from their recordings; an interrupted run is continued.",
