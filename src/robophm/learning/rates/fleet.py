@@ -71,7 +71,7 @@ class ExpectedFailures(Protocol):
         """The θ^β of each robot at which rate·θ^β plus its expected failures are ``wanted``; shapes (robots, nodes)."""
 
     def of(self, robots: Indices) -> ExpectedFailures:
-        """Those of some robots alone."""
+        """Return what is expected of some robots alone."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class Powers:
         return np.asarray(wanted / (rate + self.expected[robots, None]))
 
     def of(self, robots: Indices) -> Powers:
-        """Return those of some robots alone."""
+        """Return what is expected of some robots alone."""
         return Powers(self.expected[robots], self.beta)
 
     def to_all(self, log_times: float) -> float:

@@ -149,7 +149,7 @@ class Tabulated:
         return np.asarray(np.exp(self.beta * (low + high) / 2))
 
     def of(self, robots: Indices) -> Tabulated:
-        """Return those of some robots alone."""
+        """Return what is expected of some robots alone."""
         return Tabulated(self._grid, self._promised[robots], self.beta)
 
     def to_all(self, log_times: float) -> float:
