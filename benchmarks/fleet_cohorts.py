@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import binom
 
-from robophm.learning.rates.cohorts import FALSE_RATE, adjusted, beside
+from robophm.learning.rates.cohorts import FALSE_RATE, adjusted, compare_cohort
 from robophm.learning.rates.fleet import Powers
 from robophm.learning.rates.gamma_poisson import update
 from robophm.learning.rates.rate_update import Promised
@@ -58,7 +58,7 @@ def looks(
             told = Promised(failures.tolist(), Powers(worked, 1.0), update(failures.sum(), float(worked.sum()), 1.0))
             for kind, cohorts in ((site, 3), (year, 2)):
                 for cohort in range(cohorts):
-                    one = beside(told, kind == cohort)
+                    one = compare_cohort(told, kind == cohort)
                     if one and failures.any():
                         chances.append(one.chance)
                         of.append((part, kind is site, cohort))

@@ -10,7 +10,7 @@ import numpy as np
 
 from robophm.design.robot import FailureMode
 from robophm.fleet.experience import Experience, ObservedRobot
-from robophm.learning.rates.cohorts import FALSE_RATE, Beside, adjusted, beside
+from robophm.learning.rates.cohorts import FALSE_RATE, CohortComparison, adjusted, compare_cohort
 from robophm.learning.rates.failure_log import Seen
 from robophm.learning.rates.rate_update import LearnedRate, Promised, learn, promised
 
@@ -39,7 +39,7 @@ class Compared(NamedTuple):
     """Exposure of all parts of the cohort together [unit of the mode's clock]."""
     stated: float
     """Failures expected by the stated rate."""
-    found: Beside
+    found: CohortComparison
     chance: float
     """The chance as if this were the only comparison of this look (Holm)."""
 
@@ -128,7 +128,7 @@ def compare(designs: Sequence[Experience], prior: str | None = None) -> Comparis
                 [told.failures[at] for at in known], told.by_rate.of(np.array(known, np.intp)), told.together
             )
             for cohort in sorted(set(filter(None, names))) if len(set(names)) > 1 else ():
-                one = beside(asked, [name == cohort for name in names])
+                one = compare_cohort(asked, [name == cohort for name in names])
                 if one is None:
                     too_few += 1
                     continue

@@ -5,7 +5,7 @@ import pytest
 from benchmarks.fleet_cohorts import looks
 from scipy.stats import binom, gamma, halfnorm, nbinom, norm
 
-from robophm.learning.rates.cohorts import FALSE_RATE, adjusted, beside, foretold
+from robophm.learning.rates.cohorts import FALSE_RATE, adjusted, compare_cohort, predicted_failures
 from robophm.learning.rates.fleet import MEDIAN_SPREAD, Powers
 from robophm.learning.rates.gamma_poisson import update
 from robophm.learning.rates.rate_update import Promised
@@ -36,7 +36,7 @@ def test_what_the_others_foretell_by_brute_force():
     i, j = np.unravel_index(rng.choice(weight.size, 300_000, p=weight / weight.sum()), log.shape)
     s, mu = 1 / spread[i] ** 2, mean[j]
     drawn = sum(rng.poisson(rng.gamma(s, mu / s) * each) for each in EXPECTED[4:])
-    found = foretold(promised(), INSIDE)
+    found = predicted_failures(promised(), INSIDE)
     for count in (0, 1, 3, 8, 15, 25):
         assert found.at_most(count) == pytest.approx(np.mean(drawn <= count), rel=0.05, abs=0.001)
         assert found.at_least(count) == pytest.approx(np.mean(drawn >= count), rel=0.05, abs=0.001)
@@ -47,16 +47,16 @@ def test_what_the_others_foretell_by_brute_force():
 def test_one_bad_robot_makes_no_bad_cohort():
     one = FAILED.copy()
     one[4:] = [60.0, 1.0, 2.0]
-    found = beside(promised(one), INSIDE)
+    found = compare_cohort(promised(one), INSIDE)
     without = [at for at in range(7) if at != 4]
-    alone = beside(promised(one[without], EXPECTED[without]), INSIDE[without])
+    alone = compare_cohort(promised(one[without], EXPECTED[without]), INSIDE[without])
     assert found.failures == 63
-    assert foretold(promised(one), INSIDE).chance(63) < FALSE_RATE < found.chance
+    assert predicted_failures(promised(one), INSIDE).chance(63) < FALSE_RATE < found.chance
     assert found.chance == pytest.approx(alone.chance)
 
 
 def test_how_many_times_is_where_the_count_is_as_far_off_as_the_interval_says():
-    found = foretold(promised(), INSIDE)
+    found = predicted_failures(promised(), INSIDE)
     low, high = found.times(25)
     assert found.at_least(25, low) == pytest.approx(0.05, abs=1e-4)
     assert found.at_most(25, high) == pytest.approx(0.05, abs=1e-4)
@@ -64,15 +64,17 @@ def test_how_many_times_is_where_the_count_is_as_far_off_as_the_interval_says():
 
 
 def test_of_too_few_robots_nothing_is_said():
-    assert beside(promised(), [True] + [False] * 6) is None
-    assert beside(promised(), [False] + [True] * 6) is None
+    assert compare_cohort(promised(), [True] + [False] * 6) is None
+    assert compare_cohort(promised(), [False] + [True] * 6) is None
     never = EXPECTED.copy()
     never[1:4] = 0.0
-    assert beside(promised(np.where(never > 0, FAILED, 0.0), never), ~INSIDE) is None  # one of them has worked at all
+    assert (
+        compare_cohort(promised(np.where(never > 0, FAILED, 0.0), never), ~INSIDE) is None
+    )  # one of them has worked at all
 
 
 def test_a_cohort_without_failures():
-    found = beside(promised(np.where(INSIDE, 0.0, FAILED)), INSIDE)
+    found = compare_cohort(promised(np.where(INSIDE, 0.0, FAILED)), INSIDE)
     assert (found.failures, found.times[0]) == (0, 0.0)
     assert 0 < found.times[1] < 3.5
     assert found.chance > FALSE_RATE  # three robots of which few would have failed

@@ -13,8 +13,8 @@ from robophm.cli.shared.options import Json
 from robophm.cli.shared.output import console, print_json, print_table, table, warn
 from robophm.core.errors import DataError, nearest
 from robophm.design.file import load
+from robophm.fleet.calibration import calibrate
 from robophm.fleet.cohorts import KINDS
-from robophm.fleet.promises import promises
 from robophm.fleet.store import FleetStore
 from robophm.report.words import count_text, number_text
 
@@ -29,7 +29,7 @@ def command(
     if by not in KINDS:
         raise DataError(f"--by {by!r:.40}: expected {' or '.join(KINDS)}{nearest(by, KINDS)}")
     with FleetStore(store) as fleet:
-        found = promises(fleet, [load(one) for one in designs], by)
+        found = calibrate(fleet, [load(one) for one in designs], by)
     if as_json:
         print_json({
             "by": by, "robots": found.robots, "not_told": found.not_told,

@@ -34,7 +34,7 @@ _MOST_TIMES = 1e6
 
 
 @dataclass(frozen=True)
-class Foretold:
+class PredictedFailures:
     """The failures of a cohort as the other robots of its fleet foretell them, as a mixture; shapes (nodes,)."""
 
     expected: float
@@ -74,11 +74,11 @@ def _where(rising: Callable[[float], float]) -> float:
     return math.exp(brentq(lambda log: rising(math.exp(log)), math.log(low), math.log(high), xtol=1e-5))
 
 
-class Beside(NamedTuple):
+class CohortComparison(NamedTuple):
     """A cohort beside the others of its fleet."""
 
     failures: int
-    others: Foretold
+    others: PredictedFailures
     """The failures that the others foretell of it."""
     chance: float
     """The chance of a count as far off as this if the cohort is as the others; of one below FALSE_RATE with the
@@ -90,7 +90,7 @@ class Beside(NamedTuple):
         return self.others.times(self.failures)
 
 
-def beside(seen: Promised, members: Sequence[bool]) -> Beside | None:
+def compare_cohort(seen: Promised, members: Sequence[bool]) -> CohortComparison | None:
     """Compare the failures of a cohort with what the others foretell of it; None where robots are too few to tell.
 
     ``members``: whether each robot of ``seen`` is of the cohort.
@@ -101,18 +101,18 @@ def beside(seen: Promised, members: Sequence[bool]) -> Beside | None:
         return None
     failures = np.array(seen.failures)
     count = round(failures[inside].sum())
-    found = foretold(seen, inside)
+    found = predicted_failures(seen, inside)
     chance = found.chance(count)
     if chance <= FALSE_RATE:
         suspects = np.flatnonzero(inside if count > found.expected else ~inside)
         excess = failures[suspects] - worked[suspects] * failures.sum() / worked.sum()
         left = np.arange(len(failures)) != suspects[np.argmax(excess)]
         rest = Promised(failures[left].tolist(), seen.by_rate.of(np.flatnonzero(left)), seen.together)
-        chance = max(chance, foretold(rest, inside[left]).chance(round(failures[left & inside].sum())))
-    return Beside(count, found, chance)
+        chance = max(chance, predicted_failures(rest, inside[left]).chance(round(failures[left & inside].sum())))
+    return CohortComparison(count, found, chance)
 
 
-def foretold(seen: Promised, inside: npt.NDArray[np.bool_]) -> Foretold:
+def predicted_failures(seen: Promised, inside: npt.NDArray[np.bool_]) -> PredictedFailures:
     """Return how often the robots of a cohort fail by the others' account; ``inside``: which they are."""
     others, members = np.flatnonzero(~inside), np.flatnonzero(inside)
     failures, by_rate = np.array(seen.failures)[others], seen.by_rate.of(others)
@@ -122,7 +122,7 @@ def foretold(seen: Promised, inside: npt.NDArray[np.bool_]) -> Foretold:
     each = cohort.to_each(nodes.log_mean[None] / beta)
     mean = np.maximum(each.sum(axis=0), 1e-290)
     size = nodes.s * mean**2 / np.maximum((each**2).sum(axis=0), 1e-290)
-    return Foretold(cohort.to_all(math.log(pooled(by_rate, found).times)), mean, size, nodes.weight)
+    return PredictedFailures(cohort.to_all(math.log(pooled(by_rate, found).times)), mean, size, nodes.weight)
 
 
 def adjusted(chances: Sequence[float]) -> list[float]:

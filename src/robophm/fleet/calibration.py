@@ -20,7 +20,7 @@ from robophm.health.plant import Plant
 from robophm.learning.rates.cohorts import adjusted
 
 
-class CohortPromise(NamedTuple):
+class CohortCalibration(NamedTuple):
     """The failures that the robots of one cohort promised, against those that were noted."""
 
     cohort: str
@@ -35,17 +35,17 @@ class CohortPromise(NamedTuple):
         return self.chance < LEVEL
 
 
-class Promises(NamedTuple):
-    """The promises of a fleet of the last thirty days of each robot's reports."""
+class FleetCalibration(NamedTuple):
+    """The calibration of a fleet over the last thirty days of each robot's reports."""
 
-    cohorts: tuple[CohortPromise, ...]
+    cohorts: tuple[CohortCalibration, ...]
     together: CountedFailures
     robots: int
     not_told: dict[str, str]
     """Robots whose promises are not counted, and why."""
 
 
-def promises(store: FleetStore, designs: Sequence[Robot], kind: str) -> Promises:
+def calibrate(store: FleetStore, designs: Sequence[Robot], kind: str) -> FleetCalibration:
     """Count the failures that robots of some designs promised, cohort by cohort of a kind, against those noted.
 
     Of each robot the last thirty days before its newest report count, or as long as it has reported; failures of parts
@@ -81,9 +81,9 @@ def promises(store: FleetStore, designs: Sequence[Robot], kind: str) -> Promises
                         "expected two reports and a ledger of one at least")  # fmt: skip
     sums = {name: _sum(some) for name, some in sorted(counted.items())}
     chances = adjusted([one.chance for one in sums.values()])
-    cohorts = tuple(CohortPromise(name, len(counted[name]), one, chance)
+    cohorts = tuple(CohortCalibration(name, len(counted[name]), one, chance)
                     for (name, one), chance in zip(sums.items(), chances, strict=True))  # fmt: skip
-    return Promises(cohorts, _sum(every), len(every), not_told)
+    return FleetCalibration(cohorts, _sum(every), len(every), not_told)
 
 
 def _sum(some: Sequence[CountedFailures]) -> CountedFailures:

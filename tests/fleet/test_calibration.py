@@ -15,8 +15,8 @@ from robophm.cli.app import app
 from robophm.core.errors import DataError
 from robophm.core.signal import DAY, HOUR
 from robophm.design.file import parse
+from robophm.fleet.calibration import calibrate
 from robophm.fleet.payload import Payload, PresentState, Report
-from robophm.fleet.promises import promises
 from robophm.fleet.store import FleetStore
 from robophm.health.service import ServiceNote, take_note
 from robophm.stores.outbox import COLUMNS
@@ -75,7 +75,7 @@ def test_last_month_by_hand(store, robot):
     tell(store, "r2", "Kiel", robot, 10)
     tell(store, "r3", "Bern", robot, 10, failures=(4, 2), note="eye")
     store.add_token("silent")
-    found = promises(store, [robot], "site")
+    found = calibrate(store, [robot], "site")
     (bern, kiel) = found.cohorts
     assert (kiel.cohort, kiel.robots, kiel.counted.noted) == ("Kiel", 2, 1)
     assert kiel.counted.promised == pytest.approx(RATE * (30 * 24 - 1 - 1 + 10 * 24), rel=1e-5)
@@ -89,7 +89,7 @@ def test_a_site_that_fails_too_often_is_told(store, robot):
     for at in range(4):
         tell(store, f"b{at}", "Bern", robot, 10, failures=(8, 5, 2))
         tell(store, f"k{at}", "Kiel", robot, 10)
-    bern, kiel = promises(store, [robot], "site").cohorts
+    bern, kiel = calibrate(store, [robot], "site").cohorts
     promised = 4 * RATE * (10 * 24 - 3)
     assert bern.counted.chance == pytest.approx(2 * poisson.sf(11, promised), rel=1e-3)
     assert (bern.chance, bern.rejected) == (pytest.approx(2 * bern.counted.chance), True)  # the lesser of two
@@ -100,10 +100,10 @@ def test_what_does_not_tell_is_said(store, robot):
     unknown = parse(DESIGN.replace("motor: {rate: 0.002 /h}", "motor: {rate: unknown}").replace("courier", "picker"))
     tell(store, "p", None, unknown, 2)
     with pytest.raises(DataError, match="no robot of picker has promised anything that can be counted"):
-        promises(store, [unknown], "site")
+        calibrate(store, [unknown], "site")
     tell(store, "r", None, robot, 2)
     tell(store, "brief", None, robot, 0)
-    found = promises(store, [robot, unknown], "design")
+    found = calibrate(store, [robot, unknown], "design")
     assert [one.cohort for one in found.cohorts] == ["courier"]
     assert found.not_told["p"] == "has parts of unknown rate in its figures"
     assert "fewer than two reports" in found.not_told["brief"]
