@@ -11,11 +11,17 @@ from urllib.parse import urljoin
 import httpx
 import pytest
 from tests.fleet.conftest import serving
+from tests.fleet.test_experience import DESIGN, lived, send
 from tests.web.page.conftest import Visit, browser
+from typer.testing import CliRunner
 
+from robophm.cli.app import app
+from robophm.design.file import parse
 from robophm.fleet.page.listing import DAY, Asked, count, groups, lines, totals
 from robophm.fleet.payload import Ahead, Payload, PresentState, Report
+from robophm.fleet.proposals import ACCEPTED, decide
 from robophm.fleet.store import FleetStore
+from robophm.health.service import ServiceNote
 from robophm.stores.outbox import BOUNDS, COLUMNS
 from robophm.web.access.file import AccessFile, access_path
 from robophm.web.access.users import Users
@@ -153,6 +159,39 @@ def test_what_cannot_be_shown_is_said(fleet, store):
         policy = client.get("").headers["content-security-policy"]
         assert "default-src 'none'" in policy
         assert client.get("robot", params={"name": "<b>&'\""}).status_code == 200
+
+
+def test_proposals_with_their_evidence_and_who_decided(fleet, store, browser, tmp_path):
+    """In Chromium: from the list to a proposal, whose part has a name that would be HTML."""
+    design = tmp_path / "robot.yaml"
+    design.write_text(DESIGN)
+    robot, eye = parse(DESIGN), ServiceNote("eye", failed=True)
+    with httpx.Client(base_url=fleet.address) as client:
+        assert "None was made yet" in client.get("proposals").text
+        assert client.get("proposal", params={"number": 1}).status_code == 404
+        assert client.get("proposal", params={"number": "x"}).status_code == 422
+    for at in range(12):
+        worked = [(10.0, eye)] * 9 if at % 2 else [(90.0,)]
+        send(store, f"r{at}", lived(robot, *worked), site="Bern <b>" if at % 2 else "Kiel")
+    done = CliRunner().invoke(app, ["fleet", "propose", str(design), "--store", store.place])
+    assert done.exit_code == 0, done.exception
+    decide(store, 1, design, "Ada & co", ACCEPTED)
+    context = browser.new_context(viewport={"width": 390, "height": 800})
+    visit = Visit(context.new_page(), fleet)
+    page = visit.page
+    page.goto(fleet.address)
+    page.get_by_role("link", name="Proposals").click()
+    assert page.locator("main tbody tr").inner_text().split("\t")[-2:] == ["accepted", "Ada & co"]
+    assert visit.serious() == []
+    page.get_by_role("link", name="1", exact=True).click()
+    text = page.inner_text("main")
+    assert "site Bern <b>" in text
+    assert "54" in page.locator("main tbody tr", has_text="eye").first.inner_text()
+    assert "learned: {factor:" in page.locator("pre").inner_text()
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    assert visit.serious() == []
+    context.close()
+    assert visit.wrong == []
 
 
 def test_a_person_finds_which_fail_first_and_why(fleet, store, browser):

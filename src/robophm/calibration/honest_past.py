@@ -14,11 +14,13 @@ from robophm.health.outlooks import as_designed
 from robophm.health.plant import Plant
 from robophm.health.service import failures
 from robophm.health.unknown_rates import unknown
+from robophm.stores.figures import FigureSeries
 from robophm.stores.store import History
 
 MONTH = 30 * DAY
 
-_MOST_POINTS = 2000
+MOST_POINTS = 2000
+"""Points of the figures over time that are looked at: of more reports, their means over spans of time."""
 
 
 @dataclass(frozen=True)
@@ -60,27 +62,45 @@ class HonestPast:
     """Failures that were noted of parts without which the robot goes on; they are not counted."""
 
 
+class Noted:
+    """Failures and services of a robot that its ledger knows of, for comparison with what its figures promised."""
+
+    def __init__(self, plant: Plant, ledger: Ledger) -> None:
+        """Find those of parts without which the robot does not work, and of others."""
+        units = single_points_of_failure(plant.robot.diagram)
+        needed = units | {unit.partition("[")[0] for unit in units}
+        parts = {mode.key: part.path for part in plant.robot.all_components() for mode in part.modes}
+        failed = {(one.time, parts.get(one.mode, "")) for one in failures(ledger)}
+        self.served = [one.time for one in ledger.services]
+        """Times at which parts were served [ns]."""
+        self.alone = [at for at, part in failed if part in needed]
+        """Times at which parts failed without which the robot does not work [ns]."""
+        self.of_others = len(failed) - len(self.alone)
+        """Number of failures of parts without which it goes on."""
+
+    def span(self, series: FigureSeries, last: int) -> HonestSpan | None:
+        """Return what figures promised, against failures until before a time [ns]; None where they do not tell."""
+        promised = promised_failures(series, self.served, "sensor_based")
+        if promised is None:
+            return None
+        begin = int(series.times[0])
+        counted = CountedFailures(promised, sum(begin <= at < last for at in self.alone))
+        return HonestSpan(begin, last - 1, counted, promised_failures(series, self.served, "nominal"))
+
+
+def tells_nothing(plant: Plant) -> bool:
+    """Return whether parts of unknown rate are in a robot's figures, so that they promise no number of failures."""
+    return unknown(as_designed(plant), plant.robot.diagram) is not None
+
+
 def honest_past(plant: Plant, history: History, ledger: Ledger) -> HonestPast:
     """Count the failures that a robot's kept figures promised, against those that its ledger knows of.
 
     Nothing is told where parts of unknown rate are in the robot's figures.
     """
-    robot = plant.robot
     newest = history.report_at(2**62)
-    if newest is None or unknown(as_designed(plant), robot.diagram):
+    if newest is None or tells_nothing(plant):
         return HonestPast((), 0)
-    last = newest["time"] + 1
-    units = single_points_of_failure(robot.diagram)
-    needed = units | {unit.partition("[")[0] for unit in units}
-    parts = {mode.key: part.path for part in robot.all_components() for mode in part.modes}
-    served = [one.time for one in ledger.services]
-    failed = {(one.time, parts.get(one.mode, "")) for one in failures(ledger)}
-    alone = [at for at, part in failed if part in needed]
-    spans = []
-    for start in (last - MONTH, None):
-        series = history.figures(start, last, _MOST_POINTS)
-        if (promised := promised_failures(series, served, "sensor_based")) is not None:
-            begin = int(series.times[0])
-            counted = CountedFailures(promised, sum(begin <= at < last for at in alone))
-            spans.append(HonestSpan(begin, last - 1, counted, promised_failures(series, served, "nominal")))
-    return HonestPast(tuple(spans), len(failed) - len(alone))
+    last, noted = newest["time"] + 1, Noted(plant, ledger)
+    spans = [noted.span(history.figures(start, last, MOST_POINTS), last) for start in (last - MONTH, None)]
+    return HonestPast(tuple(filter(None, spans)), noted.of_others)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
+from robophm.cli.shared.learned import rate_json, robots_json, unstated_json
 from robophm.cli.shared.options import Design, Force, Json
 from robophm.cli.shared.output import console, may_make, print_json, print_table, table, warn
 from robophm.cli.shared.stored_past import kept
@@ -19,7 +20,6 @@ from robophm.health.unknown_rates import few
 from robophm.interface.field import rated_alike
 from robophm.learning.rates.evidence import with_evidence
 from robophm.learning.rates.failure_log import Seen, read_failure_log
-from robophm.learning.rates.fleet import StatedRateRatio
 from robophm.learning.rates.rate_update import LearnedRate, UnstatedRate, learn, unstated
 from robophm.monitoring.rate_history import each_once, rate_history
 from robophm.report.learned_rates import contradictions, learned_rows, unstated_text
@@ -70,8 +70,8 @@ def command(
     for note in notes:
         warn(note)
     if as_json:
-        print_json({"robot": robot.name, "rates": [_json(one) for one in learned],
-                    "unknown": [_unstated_json(one) for one in unrated], "notes": notes})  # fmt: skip
+        print_json({"robot": robot.name, "rates": [rate_json(one) | {"robots": robots_json(one)} for one in learned],
+                    "unknown": [unstated_json(one) for one in unrated], "notes": notes})  # fmt: skip
     else:
         _print(robot, learned, unrated)
     if to:
@@ -98,31 +98,3 @@ def _print(robot: Robot, learned: Sequence[LearnedRate], unrated: Sequence[Unsta
     for other in unrated:
         out.print(unstated_text(other), style="yellow", markup=False, soft_wrap=True)
     out.print("expected: failures by the stated rate; times: learned over stated. --to NEW.YAML writes the design.")
-
-
-def _unstated_json(one: UnstatedRate) -> dict[str, Any]:
-    (low, high), any_ = one.interval, one.exposure > 0
-    return {
-        "mode": one.mode.path, "clock": one.mode.clock, "failures": one.failures, "exposure": one.exposure,
-        "rate": one.rate if any_ else None, "low": low if any_ else None, "high": high if any_ else None,
-    }  # fmt: skip
-
-
-def _json(one: LearnedRate) -> dict[str, Any]:
-    found = one.posterior
-    return {
-        "mode": one.mode.path, "clock": one.mode.clock, "failures": one.failures, "expected": one.expected,
-        "exposure": one.exposure, "stated_rate": one.stated, "learned_rate": one.rate, "factor": one.factor,
-        "low": one.low, "high": one.high, "shape": one.shape, "prior_failures": found.prior,
-        "conflict": found.conflict, "surprise": found.surprise, "prior_failures_left": found.left,
-        "fleet_mean": _ratio(one.fleet.mean), "next_robot": _ratio(one.fleet.next),
-        "spread_of_robots": one.fleet.spread and dict(zip(("low", "median", "high"), one.fleet.spread, strict=True)),
-        "robots": {
-            name: {"failures": failures, **_ratio(own)}
-            for name, failures, own in zip(one.robots, one.failures_of, one.fleet.robots, strict=True)
-        },
-    }  # fmt: skip
-
-
-def _ratio(one: StatedRateRatio) -> dict[str, float]:
-    return {"factor": one.times, "low": one.low, "high": one.high}

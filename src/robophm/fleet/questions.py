@@ -171,6 +171,19 @@ def history(store: FleetStore, robot: str, start: int | None, end: int | None, p
     return RobotHistory(joined(whole, width) if width else whole, ahead)
 
 
+def newest_time(store: FleetStore, robot: str) -> int | None:
+    """Return the time of the newest report of a robot by its own clock, of those believed [ns]; None without any.
+
+    Raises RobophmError where there is no such robot.
+    """
+    ((last,),) = store.rows(
+        f"SELECT max(time) FROM report WHERE robot = ? AND time <= received + {round(BELIEVED * SECOND)}",
+        (store.number_of(robot),),
+    )
+    found: int | None = last
+    return found
+
+
 _NO_VALUES = np.empty((0, len(COLUMNS)))
 _NOTHING = FigureSeries(0, np.empty(0, np.int64), _NO_VALUES.astype(np.int64), _NO_VALUES, _NO_VALUES, _NO_VALUES)
 

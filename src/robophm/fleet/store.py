@@ -55,7 +55,7 @@ class FleetStore:
                 raise RobophmError(f"{what} {name!r:.120}: expected a name of 1 to {LONGEST_NAME} letters that can be "
                                    "printed, without '/'")  # fmt: skip
         tokens = [f"robophm_{secrets.token_urlsafe(32)}" for _ in robots]
-        with self._writing() as engine:
+        with self.writing() as engine:
             for robot, token in zip(robots, tokens, strict=True):
                 engine.ask(
                     "INSERT INTO robot (name, token, site) VALUES (?, ?, ?) ON CONFLICT (name) DO UPDATE SET "
@@ -95,7 +95,7 @@ class FleetStore:
         """Keep the numbers of what was refused since. Raises StoreError."""
         with self._turn:
             if self._refused:
-                with self._writing():
+                with self.writing():
                     pass
 
     def commit(self, payloads: Sequence[Payload]) -> list[Committed]:
@@ -104,14 +104,14 @@ class FleetStore:
         A report is told by robot, epoch and number: one that comes again changes nothing. A present state is kept where
         it is newer.
         """
-        with self._writing() as engine:
+        with self.writing() as engine:
             commit = Commit(engine, payloads)
             for robot, count in commit.of_two_machines.items():
                 self._refused[robot, TWO_MACHINES] += count
         return commit.done
 
     @contextmanager
-    def _writing(self) -> Iterator[Engine]:
+    def writing(self) -> Iterator[Engine]:
         """Keep all that is written meanwhile, or nothing; with it the numbers of what was refused."""
         with self._turn:
             with self._engine.transaction():

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from robophm.stores.outbox import CHANCES
 
-VERSION = 2
+VERSION = 3
 """Version of the tables."""
 
 
@@ -91,8 +91,19 @@ REFUSED = Table(
     "refused", ("robot TEXT", "why TEXT", "number INTEGER", "last INTEGER"), ("robot", "why"),
     "DO UPDATE SET number = refused.number + excluded.number, last = excluded.last",
 )  # fmt: skip
+PROPOSAL = Table(
+    "proposal",
+    ("number INTEGER", "time INTEGER", "design TEXT", "cohort TEXT", "text_before TEXT", "text_after TEXT",
+     "evidence TEXT"), ("number",),
+)  # fmt: skip
+"""Designs that were proposed by what the fleet has seen; ``cohort``: of whom, empty of all; ``evidence`` as JSON."""
+DECISION = Table(
+    "decision", ("proposal INTEGER", "place INTEGER", "time INTEGER", "person TEXT", "decided TEXT"),
+    ("proposal", "place"),
+)  # fmt: skip
+"""Decisions of people on proposals, in their order."""
 
-MERGED = (HEARD, EPOCH, REPORT, NEWEST, DAY, PRESENT, REFUSED)
+MERGED = (HEARD, EPOCH, REPORT, NEWEST, DAY, PRESENT, REFUSED, PROPOSAL, DECISION)
 """The tables into which rows are merged; beside them is ``robot``, whose numbers the engine gives."""
 
 INDEXES = (

@@ -37,13 +37,18 @@ def test_what_one_life_tells_of_its_rate(of, beta):
     assert information(of) == pytest.approx(beta, rel=0.015)
 
 
+def fitted(of, robots, expected, prior, beta):
+    found, by_rate = fit_scale(of, robots, expected, prior, beta)
+    return found, fleet([sum(one.failures for one in some) for some in robots], by_rate, found)
+
+
 def test_of_a_power_it_is_the_gamma():
     """Of Weibull lives what is promised is E·θ^β: Gamma(a + n, a + E)."""
     of, rng = life("weibull", shape=1.8), np.random.default_rng(3)
     ages = np.minimum(of.quantile(rng.random(30)) * 0.7, 90.0)
     lived = [Lived(0.0, float(age), float(age < 90), 1.0) for age in ages]
     n, E = sum(one.failures for one in lived), float(of.increment(np.zeros(30), ages).sum())
-    (_, found), expected = fit_scale(of, [lived], E, 2.0, 1.8), update(n, E, 2.0)
+    (_, found), expected = fitted(of, [lived], E, 2.0, 1.8), update(n, E, 2.0)
     assert found.next.times**1.8 == pytest.approx(expected.estimate, rel=1e-5)
     assert (found.next.low**1.8, found.next.high**1.8) == pytest.approx(expected.interval, rel=1e-4)
 
@@ -68,7 +73,7 @@ def test_lognormal_lives():
     # What was before they were watched says nothing.
     lived += [Lived(60.0, 25.0, 1.0, 1.0), Lived(50.0, 40.0, 0.0, 3.0)]
     promised = lognormal_promise(0.6, lived)
-    posterior, found = fit_scale(of, [lived], float(promised(1.0)), 4.0, 1 / 0.6)
+    posterior, found = fitted(of, [lived], float(promised(1.0)), 4.0, 1 / 0.6)
     assert (posterior.failures, posterior.expected) == (51, pytest.approx(promised(1.0)))
     shape, rate, weight = posterior.gammas
     counts = rate - posterior.expected
@@ -94,7 +99,7 @@ def test_robots_that_differ():
         return ratios, [[Lived(0.0, float(of.quantile(p)) / r, 1.0, 1.0) for p in rng.random(12)] for r in ratios]
 
     ratios, robots = lived(0.5)
-    _, found = fit_scale(of, robots, 180.0, 1.0, 2.0)
+    _, found = fitted(of, robots, 180.0, 1.0, 2.0)
     low, usual, _ = found.spread
     # The likeliest spread of 12 failures each about what is promised where as many are as failed, by SciPy.
     each = [lognormal_promise(0.5, some) for some in robots]
@@ -107,7 +112,7 @@ def test_robots_that_differ():
     held = [one.low <= r <= one.high for one, r in zip(found.robots, ratios, strict=True)]
     assert sum(held) >= 11  # less in one of a thousand
     assert np.mean([found.next.low <= r <= found.next.high for r in ratios]) >= 0.7
-    _, alike = fit_scale(of, lived(0.0)[1], 180.0, 1.0, 2.0)
+    _, alike = fitted(of, lived(0.0)[1], 180.0, 1.0, 2.0)
     assert alike.spread[0] < 0.2
 
 
@@ -118,7 +123,7 @@ def test_a_fleet_of_powers_is_that_of_its_counts():
     n = [len(some) for some in robots]
     E = [sum(one.length for one in some) / 100 for some in robots]
     counts = fleet(n, Powers(np.array(E), 1.0), update(sum(n), sum(E), 1.0))
-    _, lives = fit_scale(of, robots, sum(E), 1.0, 1.0)
+    _, lives = fitted(of, robots, sum(E), 1.0, 1.0)
     assert lives.spread == pytest.approx(counts.spread, rel=1e-3)
     for one, other in zip(
         (lives.next, lives.mean, *lives.robots), (counts.next, counts.mean, *counts.robots), strict=True

@@ -26,7 +26,14 @@ TYPES = {"INTEGER": "BIGINT", "REAL": "DOUBLE PRECISION", "BLOB": "BYTEA"}
 
 COPIED = {"INTEGER": "int8", "REAL": "float8", "BLOB": "bytea", "TEXT": "text"}
 
-STEPS: dict[int, list[str]] = {}
+STEPS: dict[int, list[str]] = {
+    2: [
+        "CREATE TABLE proposal (number BIGINT NOT NULL, time BIGINT NOT NULL, design TEXT NOT NULL, cohort TEXT NOT "
+        "NULL, text_before TEXT NOT NULL, text_after TEXT NOT NULL, evidence TEXT NOT NULL, PRIMARY KEY (number))",
+        "CREATE TABLE decision (proposal BIGINT NOT NULL, place BIGINT NOT NULL, time BIGINT NOT NULL, "
+        "person TEXT NOT NULL, decided TEXT NOT NULL, PRIMARY KEY (proposal, place))",
+    ]
+}
 """The statements that turn the tables of a version into those of the next; the first here was of version 2."""
 
 

@@ -28,7 +28,14 @@ STEPS: dict[int, list[str]] = {
         *(f"ALTER TABLE robot DROP COLUMN {name}" for name in ("heard", "clock_ahead", "waiting")),
         "CREATE TABLE day (robot INTEGER NOT NULL, day INTEGER NOT NULL, time INTEGER NOT NULL, chance_0 REAL, "
         f"chance_1 REAL, chance_2 REAL, PRIMARY KEY (robot, day)){END}",
-    ]
+    ],
+    2: [
+        "CREATE TABLE proposal (number INTEGER NOT NULL, time INTEGER NOT NULL, design TEXT NOT NULL, cohort TEXT NOT "
+        "NULL, text_before TEXT NOT NULL, text_after TEXT NOT NULL, evidence TEXT NOT NULL, "
+        f"PRIMARY KEY (number)){END}",
+        "CREATE TABLE decision (proposal INTEGER NOT NULL, place INTEGER NOT NULL, time INTEGER NOT NULL, "
+        f"person TEXT NOT NULL, decided TEXT NOT NULL, PRIMARY KEY (proposal, place)){END}",
+    ],
 }
 """The statements that turn the tables of a version into those of the next."""
 

@@ -12,11 +12,13 @@ from fastapi.responses import HTMLResponse, JSONResponse
 from starlette.exceptions import HTTPException
 from starlette.middleware.gzip import GZipMiddleware
 
-from robophm.core.errors import RobophmError
+from robophm.core.errors import RobophmError, StoreError
 from robophm.core.signal import HOUR
 from robophm.fleet.page.listing import Asked, Order, count, groups, lines, totals
+from robophm.fleet.page.proposed import proposal_page, proposals_page
 from robophm.fleet.page.views import AT_ONCE, Epoch, Fleet, Robot, fleet_page, groups_page, robot_page, silent_since
 from robophm.fleet.payload import Ahead
+from robophm.fleet.proposals import proposal, proposals
 from robophm.fleet.questions import RobotHistory, history, present, refused_of_nobody, status
 from robophm.fleet.store import FleetStore
 from robophm.report.markup import Html
@@ -46,6 +48,8 @@ def page_app(store: FleetStore, beside: Path, host: str, proxies: Proxies) -> Fa
     app.add_api_route("/", pages.fleet, response_class=HTMLResponse)
     app.add_api_route("/groups", pages.groups, response_class=HTMLResponse)
     app.add_api_route("/robot", pages.robot, response_class=HTMLResponse)
+    app.add_api_route("/proposals", pages.proposals, response_class=HTMLResponse)
+    app.add_api_route("/proposal", pages.proposal, response_class=HTMLResponse)
     app.add_exception_handler(RequestValidationError, _misspelt)
     app.add_exception_handler(RobophmError, _refused)
     app.add_exception_handler(HTTPException, _http)
@@ -95,6 +99,19 @@ class _Pages:
         ahead = [Ahead(one["horizon"], one["sensor_based_failure"], one.get("first"), one.get("share"))
                  for one in whole.get("failure_within", ())]  # fmt: skip
         return _answer(robot_page(Robot(said, site, ahead, whole.get("time"), epochs, past, time.time_ns())))
+
+    def proposals(self) -> HTMLResponse:
+        """All proposals."""
+        return _answer(proposals_page(proposals(self._store)))
+
+    def proposal(self, number: Annotated[int, Query(ge=1, le=10**9)]) -> HTMLResponse:
+        """One proposal."""
+        try:
+            return _answer(proposal_page(proposal(self._store, number)))
+        except StoreError:
+            raise
+        except RobophmError as error:
+            return _answer(page("No such proposal", [str(error)]), 404)
 
 
 async def _misspelt(_: Request, error: Exception) -> HTMLResponse:

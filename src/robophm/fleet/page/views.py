@@ -32,13 +32,14 @@ AT_ONCE = 100
 """Robots on one page of the list."""
 
 HORIZON_WORDS = {24.0: "1 day", 168.0: "1 week", 720.0: "30 days"}
-_STYLE = Html(
+STYLE = Html(
     "<style>form,nav{display:flex;flex-wrap:wrap;gap:8px 14px;align-items:end;margin:1rem 0}"
     "label{display:grid;gap:2px;font-size:.85rem;color:var(--quiet)}a{color:var(--c0)}"
     "input,select,button{font:inherit;color:inherit;background:var(--card);border:1px solid var(--line);"
     "border-radius:5px;padding:5px 8px;min-height:34px}main{max-width:1560px}tbody th{white-space:nowrap}"
-    ".off{color:var(--error);font-weight:600}</style>"
+    ".off{color:var(--error);font-weight:600}pre{overflow-x:auto}</style>"
 )
+"""The style of the fleet's pages beyond that of reports."""
 
 
 class Fleet(NamedTuple):
@@ -63,10 +64,10 @@ def fleet_page(shown: Fleet) -> Html:
 
 def _fleet_sections(shown: Fleet) -> Iterator[Html | str]:
     asked, horizon = shown.asked, HORIZON_WORDS[shown.asked.horizon]
-    yield _STYLE
+    yield STYLE
     yield from _known(shown, horizon)
     yield element("nav", *(element("a", f"By {by}", href=f"./groups?by={by}&horizon={asked.horizon:g}") for by in BY),
-                  aria_label="Groups")  # fmt: skip
+                  element("a", "Proposals", href="./proposals"), aria_label="Groups")  # fmt: skip
     yield _form(asked)
     last = shown.start + len(shown.lines)
     where = [f"{name} {value or 'unknown'}" for name, value in (("design", asked.design), ("site", asked.site))
@@ -208,7 +209,7 @@ def groups_page(by: str, groups: Sequence[Group], horizon: float, now: int) -> H
     """All robots in groups, as a whole page."""
     back = element("nav", element("a", "Fleet", href="./"), aria_label="Way back")
     table = _groups(by, groups, Asked(horizon), HORIZON_WORDS[horizon])
-    return page(f"Fleet by {by}", [_STYLE, back, f"{moment_text(now)[:16]} UTC.", table])
+    return page(f"Fleet by {by}", [STYLE, back, f"{moment_text(now)[:16]} UTC.", table])
 
 
 def _groups(by: str, groups: Sequence[Group], asked: Asked, horizon: str) -> Html:
@@ -266,7 +267,7 @@ def robot_page(shown: Robot) -> Html:
 
 def _robot_sections(shown: Robot) -> Iterator[Html | str]:
     one = shown.status
-    yield _STYLE
+    yield STYLE
     yield element("nav", element("a", "Fleet", href="./"), aria_label="Way back")
     facts = [
         ("design", one.design or "not told"), ("site", shown.site or "not told"), ("state", one.state or "not known"),

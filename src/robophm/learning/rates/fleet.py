@@ -70,6 +70,9 @@ class ExpectedFailures(Protocol):
     def where(self, robots: Indices, rate: Array, wanted: Array) -> Array:
         """The θ^β of each robot at which rate·θ^β plus its expected failures are ``wanted``; shapes (robots, nodes)."""
 
+    def of(self, robots: Indices) -> ExpectedFailures:
+        """Return what is expected of some robots alone."""
+
 
 @dataclass(frozen=True)
 class Powers:
@@ -95,6 +98,10 @@ class Powers:
     def where(self, robots: Indices, rate: Array, wanted: Array) -> Array:
         """The θ^β of each robot, in closed form; shapes (robots, nodes)."""
         return np.asarray(wanted / (rate + self.expected[robots, None]))
+
+    def of(self, robots: Indices) -> Powers:
+        """Return what is expected of some robots alone."""
+        return Powers(self.expected[robots], self.beta)
 
     def to_all(self, log_times: float) -> float:
         """Failures expected of all robots together at one ln θ."""
@@ -137,26 +144,28 @@ def fleet(failures: Sequence[float], promise: ExpectedFailures, found: Posterior
 
     ``found``: the posterior of the rate that all have together; the fleet's mean is what it says on average.
     """
-    pooled = _pooled(promise, found)
+    together = pooled(promise, found)
     n = np.array(failures, dtype=float)
     if len(n) == 1 or found.expected == 0:
-        return Fleet(pooled, pooled, (pooled,) * len(n))
-    nodes = _nodes(n, promise, found)
+        return Fleet(together, together, (together,) * len(n))
+    nodes = nodes_of(n, promise, found)
     beta, reach = promise.beta, promise.reach * promise.beta
     low, _, high = (math.exp(one / beta) for one in _quantiles(nodes.log_mean, nodes.weight))
-    mean = StatedRateRatio(pooled.times, min(low, pooled.times), max(high, pooled.times))
+    mean = StatedRateRatio(together.times, min(low, together.times), max(high, together.times))
     few = _fewer(nodes)
     rate = few.s * np.exp(-few.log_mean)
     ends = interval(
-        lambda u: float(few.weight @ gammainc(few.s, np.minimum(rate * math.exp(u), 1e300))), pooled.times**beta, reach
+        lambda u: float(few.weight @ gammainc(few.s, np.minimum(rate * math.exp(u), 1e300))),
+        together.times**beta,
+        reach,
     )
-    another = StatedRateRatio(pooled.times, *(one ** (1 / beta) for one in ends))
-    own = _each(n, promise, few, pooled.times)
+    another = StatedRateRatio(together.times, *(one ** (1 / beta) for one in ends))
+    own = _each(n, promise, few, together.times)
     return Fleet(mean, another, own, _quantiles(1 / np.sqrt(nodes.s), nodes.weight))
 
 
-def _pooled(promise: ExpectedFailures, found: Posterior) -> StatedRateRatio:
-    """Of one rate for all: with a·θ^β + E(θ), failures that the stated rate and the field promise."""
+def pooled(promise: ExpectedFailures, found: Posterior) -> StatedRateRatio:
+    """Return the ratio of one rate for all: with a·θ^β + E(θ), failures that the stated rate and the field promise."""
     beta, reach = promise.beta, promise.reach
     s, r, p = found.gammas
     counts = r - found.expected if found.expected > 0 else r
@@ -178,7 +187,7 @@ def _pooled(promise: ExpectedFailures, found: Posterior) -> StatedRateRatio:
     return StatedRateRatio(times, *interval(below, times, reach))
 
 
-class _Nodes(NamedTuple):
+class Nodes(NamedTuple):
     """A grid over the fleet's mean and its spread, with the posterior's weights; shapes (nodes,)."""
 
     log_mean: Array
@@ -186,8 +195,8 @@ class _Nodes(NamedTuple):
     weight: Array
 
 
-def _nodes(n: Array, promise: ExpectedFailures, found: Posterior) -> _Nodes:
-    """The posterior of ln μ and s; spreads are looked at again where they are likely."""
+def nodes_of(n: Array, promise: ExpectedFailures, found: Posterior) -> Nodes:
+    """Return the posterior of ln μ and s; spreads are looked at again where they are likely."""
     centre = _about(promise, found)
     log_mean = np.unique(np.concatenate([_APART, centre + _APART]))
     log_mean = log_mean[np.abs(log_mean) <= promise.reach * promise.beta]
@@ -205,7 +214,7 @@ def _nodes(n: Array, promise: ExpectedFailures, found: Posterior) -> _Nodes:
         )  # fmt: skip
     weight /= weight.sum()
     row, column = np.nonzero(weight > 1e-8)
-    return _Nodes(log_mean[column], 1 / last[row] ** 2, weight[row, column] / weight[row, column].sum())
+    return Nodes(log_mean[column], 1 / last[row] ** 2, weight[row, column] / weight[row, column].sum())
 
 
 def _about(promise: ExpectedFailures, found: Posterior) -> float:
@@ -242,7 +251,7 @@ def _log_likelihood(n: Array, promised: Array, spread: float) -> Array:
     return found
 
 
-def _each(n: Array, promise: ExpectedFailures, few: _Nodes, times: float) -> tuple[StatedRateRatio, ...]:
+def _each(n: Array, promise: ExpectedFailures, few: Nodes, times: float) -> tuple[StatedRateRatio, ...]:
     """Each robot's own. The estimate is its mean, drawn towards that of all failures together."""
     beta = promise.beta
     s, mean = few.s, np.exp(few.log_mean)
@@ -282,14 +291,14 @@ def _where_below(
     )
 
 
-def _fewer(nodes: _Nodes) -> _Nodes:
+def _fewer(nodes: Nodes) -> Nodes:
     """Neighbours of one spread put together until they weigh enough."""
     order = np.lexsort((nodes.log_mean, nodes.s))
     log_mean, s, weight = nodes.log_mean[order], nodes.s[order], nodes.weight[order]
     group = np.floor(np.cumsum(weight) / _LEAST) + 1e6 * np.unique(s, return_inverse=True)[1]
     _, of = np.unique(group, return_inverse=True)
     total = np.asarray(np.bincount(of, weight), dtype=float)
-    return _Nodes(np.bincount(of, weight * log_mean) / total, np.bincount(of, weight * s) / total, total)
+    return Nodes(np.bincount(of, weight * log_mean) / total, np.bincount(of, weight * s) / total, total)
 
 
 def _quantiles(values: Array, weight: Array) -> tuple[float, float, float]:

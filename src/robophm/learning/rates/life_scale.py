@@ -23,7 +23,7 @@ import numpy.typing as npt
 from scipy.interpolate import PchipInterpolator
 
 from robophm.core.errors import DataError, ModelError
-from robophm.learning.rates.fleet import Fleet, Indices, fleet
+from robophm.learning.rates.fleet import Indices
 from robophm.learning.rates.gamma_poisson import Posterior, update
 from robophm.life.distribution import LifeDistribution
 from robophm.life.side_by_side import Lives
@@ -125,7 +125,7 @@ class Tabulated:
 
     def __init__(self, grid: Array, promised: Array, beta: float) -> None:
         """Interpolate ``promised``, expected failures of shape (robots, points), over an ascending ``grid`` of ln θ."""
-        self.beta = beta
+        self.beta, self._grid, self._promised = beta, grid, promised
         self.each = [PchipInterpolator(grid, np.log(np.clip(one, 1e-300, 1e300))) for one in promised]
         self.all = PchipInterpolator(grid, np.log(np.clip(promised.sum(axis=0), 1e-300, 1e300)))
 
@@ -148,6 +148,10 @@ class Tabulated:
             low, high = np.where(below, middle, low), np.where(below, high, middle)
         return np.asarray(np.exp(self.beta * (low + high) / 2))
 
+    def of(self, robots: Indices) -> Tabulated:
+        """Return what is expected of some robots alone."""
+        return Tabulated(self._grid, self._promised[robots], self.beta)
+
     def to_all(self, log_times: float) -> float:
         """Failures expected of all robots together at one ln θ."""
         return math.exp(self.all(log_times))
@@ -155,8 +159,8 @@ class Tabulated:
 
 def fit_scale(
     life: LifeDistribution, robots: Sequence[Sequence[Lived]], expected: float, prior: float, beta: float
-) -> tuple[Posterior, Fleet]:
-    """The ratio of the true rate to that of a life, of a fleet and each robot, at least one.
+) -> tuple[Posterior, Tabulated]:
+    """Return the ratio of the true rate to that of a life, of all robots together, and what each ratio promises them.
 
     ``expected``: failures by the stated rate; ``prior``: that it counts as, of θ^β. Raises DataError where a life
     cannot be.
@@ -182,7 +186,7 @@ def fit_scale(
         order = np.argsort(grid)
         promised = np.concatenate([coarse, _promised(at, fine, lives, len(robots))], axis=1)[:, order]
         grid, promised = grid[order], np.maximum.accumulate(promised, axis=1)
-    return found, fleet(n, Tabulated(grid, promised, beta), found)
+    return found, Tabulated(grid, promised, beta)
 
 
 class _Lives(NamedTuple):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import gammaln
@@ -15,7 +16,7 @@ from robophm.core.spread import deviation_of
 from robophm.core.units import quantity
 from robophm.design.robot import CLOCK_UNITS, FailureMode, Robot, Uncertainty
 from robophm.learning.rates.failure_log import Seen, merged
-from robophm.learning.rates.fleet import Fleet, Powers, StatedRateRatio, fleet
+from robophm.learning.rates.fleet import ExpectedFailures, Fleet, Powers, StatedRateRatio, fleet
 from robophm.learning.rates.gamma_poisson import VAGUEST, Posterior, update
 from robophm.learning.rates.life_scale import at_rate, fit_scale, information
 
@@ -136,37 +137,43 @@ def unstated(robot: Robot, seen: Iterable[Seen]) -> list[UnstatedRate]:
     ]  # fmt: skip
 
 
-def _learned(mode: FailureMode, seen: Sequence[Seen], prior: str | None, of: str | None) -> LearnedRate:
-    factor = mode.evidence.factor if mode.evidence else 1.0
-    told = _by_lives if mode.life.degree is None else _by_count
-    found, robots = told(mode, factor, seen, prior)
-    return LearnedRate(
-        mode, mode.rate / factor, math.fsum(one.failures for one in seen), found.expected,
-        math.fsum(one.exposure for one in seen), found, robots, tuple(one.robot for one in seen),
-        tuple(one.failures for one in seen), of,
-    )  # fmt: skip
+class Promised(NamedTuple):
+    """Failures of a failure mode in each of some robots, beside those that its rate would have promised them."""
+
+    failures: list[float]
+    by_rate: ExpectedFailures
+    together: Posterior
+    """The posterior of the ratio of the true hazard to the stated one, if all robots have the same."""
 
 
-def _by_count(mode: FailureMode, factor: float, seen: Sequence[Seen], prior: str | None) -> tuple[Posterior, Fleet]:
-    """Of a life whose hazard is a power of age."""
-    beta = mode.life.degree or 1.0
-    failures, expected = [one.failures for one in seen], np.array([one.expected / factor**beta for one in seen])
-    found = update(math.fsum(failures), math.fsum(expected), _strength(mode, mode.rate / factor, beta, prior))
-    return found, fleet(failures, Powers(expected, beta), found)
-
-
-def _by_lives(mode: FailureMode, factor: float, seen: Sequence[Seen], prior: str | None) -> tuple[Posterior, Fleet]:
-    """The same, of a life whose hazard is no power of age."""
+def promised(mode: FailureMode, seen: Sequence[Seen], prior: str | None = None) -> Promised:
+    """Return what a failure mode's stated rate promised each of some robots, at least one. Raises DataError."""
+    factor, failures = mode.evidence.factor if mode.evidence else 1.0, [one.failures for one in seen]
+    if mode.life.degree is not None:
+        beta = mode.life.degree
+        expected = np.array([one.expected / factor**beta for one in seen])
+        strength = _strength(mode, mode.rate / factor, beta, prior)
+        return Promised(failures, Powers(expected, beta), update(math.fsum(failures), math.fsum(expected), strength))
     try:
         life = at_rate(mode.life, 1 / factor)
         beta = information(life)
-        expected = math.fsum(
+        summed = math.fsum(
             one.parts * float(life.increment(one.start, one.length)) for some in seen for one in some.lives
         )
         strength = _strength(mode, mode.rate / factor, beta, prior)
-        return fit_scale(life, [one.lives for one in seen], expected, strength, beta)
+        found, by_rate = fit_scale(life, [one.lives for one in seen], summed, strength, beta)
     except DataError as error:
         raise DataError(f"'{mode.path}': {error}") from None
+    return Promised(failures, by_rate, found)
+
+
+def _learned(mode: FailureMode, seen: Sequence[Seen], prior: str | None, of: str | None) -> LearnedRate:
+    n, by_rate, found = promised(mode, seen, prior)
+    return LearnedRate(
+        mode, mode.rate / (mode.evidence.factor if mode.evidence else 1.0), math.fsum(n), found.expected,
+        math.fsum(one.exposure for one in seen), found, fleet(n, by_rate, found), tuple(one.robot for one in seen),
+        tuple(n), of,
+    )  # fmt: skip
 
 
 def _strength(mode: FailureMode, rate: float, beta: float, prior: str | None) -> float:
