@@ -152,7 +152,7 @@ def test_mistakes_are_one_line(inside, lives, tmp_path):
     for words, said in (
         (("word.csv",), "word.csv:2: time: 'five' is no time; expected a number with its unit"),
         (("wide.csv",), "wide.csv:2: time: 1e-300 is no life; expected 1e-15 … 1e+15 h"),
-        (("few.csv", "--repairable"), "few.csv: 1 failures of repaired systems"),
+        (("few.csv", "--repairable"), "few.csv: 1 failure of repaired systems"),
         (("km.csv", "--to", "robot.yaml", "--part", "pump"), "ages by h (operating clock), but km.csv counts km"),
         ((lives, "--distribution", "weibul"), "no distribution 'weibul'; did you mean 'weibull'"),
         ((lives, "--to", "robot.yaml"), "expected both"),

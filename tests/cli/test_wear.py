@@ -194,6 +194,11 @@ def test_mistakes_are_one_line(inside, robot, tmp_path):
     readings(tmp_path / "past.csv", range(40), np.r_[0.6, 1.0 - 0.001 * np.arange(39)])
     readings(tmp_path / "at.csv", range(9), np.r_[0.7, 0.7, 0.7, np.arange(6)])
     readings(tmp_path / "still.csv", range(9), np.ones(9))
+    (tmp_path / "both.csv").write_text("when,time [h],value\n2026-01-01,0,1\n2026-01-02,24,0.9\n")
+    (tmp_path / "late.csv").write_text("when,value\n2026-01-01,1\n9000-01-01,0.9\n")
+    readings(
+        tmp_path / "hot.csv", range(9), [f"{1 - k / 99},40" for k in range(9)], "time [h],value,temperature [degC]"
+    )
     (tmp_path / "two.yaml").write_text(ROBOT.replace("battery: {", "battery: {quantity: 2, "))
     words = ("--part", "battery", "--threshold", 0.7)
     for some, said in (
@@ -212,11 +217,17 @@ def test_mistakes_are_one_line(inside, robot, tmp_path):
         (("at.csv", *words), "at.csv: the signal begins at its threshold, 0.7"),
         (("still.csv", *words), "still.csv: the signal is 1 all the time: no trend"),
         (("load.csv", *words), "a column 'load', and --load"),
+        (("both.csv", *words), "both.csv:2: has a time and a date; expected one of the two columns"),
+        (("late.csv", *words), "late.csv:3: when: '9000-01-01' is no date of a reading"),
+        (("hot.csv", *words, "--use", "stress=3"), "hot.csv: readings have no column stress"),
     ):
         failed = inside("wear", robot, *some)
         assert failed.returncode == 3
         assert said in failed.stderr
         assert failed.stderr.count("\n") == 1
+    text = inside("wear", robot, "hot.csv", *words, "--use", "temperature=90").stdout
+    assert "Readings are at temperature 40: what is said of 90 rests on its law alone" in text
+    assert "its law alone" not in inside("wear", robot, "hot.csv", *words).stdout
     assert "'battery' is 2 equal parts" in inside("wear", "two.yaml", "capacity.csv", *words).stderr
 
 
@@ -378,6 +389,8 @@ def test_what_is_no_fleet(inside, robot, tmp_path):
             "unit 'a' has dates or ages where",
         ),
         ("unit,time [h],value,load\na,1,0.9,3\na,2,0.8,4\n", "come with a load are not compared"),
+        ("unit,time [h],value\na,1,0.9\na,2,0.6\nb,1,0.6\nb,2,0.5\n", "unit 'b' of the others is past the threshold"),
+        ("unit,time [h],value\na,1,0.6\na,2,0.5\nb,1,0.6\nb,2,0.5\n", "the others all begin beyond the threshold"),
     ):
         (tmp_path / "fleet.csv").write_text(text)
         told = inside(*words, "fleet.csv")

@@ -12,7 +12,7 @@ import typer
 from robophm.calibration.backtested_wear import lives_of
 from robophm.calibration.predictions import lives_text
 from robophm.cli import BREACHED
-from robophm.cli.shared.health_output import print_unknown
+from robophm.cli.shared.health_output import observed_text, print_unknown
 from robophm.cli.shared.options import Design, Json, Store
 from robophm.cli.shared.output import console, may_write, print_json, progress_console, warn, write
 from robophm.cli.shared.progress import counted
@@ -158,8 +158,8 @@ def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> bool:
         found, seen, monitor = _of_recordings(robot, signals, wishes)
     if wishes.store:
         monitor, seen = Monitor(robot, kept(wishes.store, robot)), []
-    outlook = monitor.report(remaining_life=False, wear=()).outlooks["sensor_based"]
-    lives = worn_lives(outlook, found, seen)
+    report = monitor.report(remaining_life=False, wear=())
+    lives = worn_lives(report.outlooks["sensor_based"], found, seen)
     done = _backtests(found, wishes) if wishes.backtest else {}
     if wishes.predictions:
         units = {name: one for of_mode in done.values() for name, one in of_mode.items()}
@@ -172,6 +172,8 @@ def run(path: Path, signals: Sequence[Path], wishes: Wishes) -> bool:
         print_json({"robot": robot.name, "signals": said, "remaining_life": lives_json(lives)})
     else:
         _print(robot, found, lives)
+        if report.time is not None:
+            console().print(observed_text(report), markup=False)
         for one in found:
             if one.mode.path in done:
                 console().print()

@@ -164,6 +164,8 @@ def _of_csv(path: Path, text: str) -> list[tuple[int, dict[str, str]]]:
                 continue
             if heading is None:
                 heading = [cell.strip() for cell in cells]
+                if twice := next((one for one in heading if one and heading.count(one) > 1), None):
+                    raise DataError(f"{path}:{reader.line_num}: two columns are headed '{twice:.60}'; expected one")
                 continue
             if len(cells) > len(heading):
                 raise DataError(f"{path}:{reader.line_num}: has {len(cells)} cells; expected {len(heading)}, as headed")

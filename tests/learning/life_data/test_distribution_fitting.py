@@ -306,7 +306,7 @@ def test_a_trend_is_told_where_there_is_one(tmp_path):
 def test_systems_watched_unequally_have_no_unbiased_estimate(tmp_path):
     text = "a,5,\na,40,\na,90,yes\nb,20,\nb,30,\nb,60,yes\n"
     assert list(power_laws(lifts(tmp_path, text))) == ["maximum likelihood"]
-    with pytest.raises(DataError, match=r"lift.csv: 1 failures of repaired systems"):
+    with pytest.raises(DataError, match=r"lift.csv: 1 failure of repaired systems"):
         power_laws(lifts(tmp_path, "a,5,\na,9,yes\n"))
 
 

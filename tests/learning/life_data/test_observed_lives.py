@@ -83,6 +83,8 @@ def test_all_kinds_of_surpyval(read):
         ("x,c,n,tl,tr\n5,0,1,0,10\n6,0,1,0,10\n", "lives.csv: column 'tr': right truncation"),
         ("time,weights\n5,0.5\n6,1\n", "lives.csv:2: count: 0.5; expected a whole number"),
         ("time [h],mode\n5,a\n6,\n", "lives.csv:3: mode: failed, but in which way is not said"),
+        ("time [h],mode\n5,a\n6,None\n", "lives.csv:3: mode: failed, with 'None' as the way .* still worked"),
+        ("time [h],time [h]\n5,6\n7,8\n", r"lives.csv:1: two columns are headed 'time \[h\]'; expected one"),
         ("time [h],mode,censored\n5,a,\n6,a,yes\n", "lives.csv:3: mode: 'a' of a part that still worked"),
     ],
 )

@@ -30,6 +30,12 @@ def test_straight_wear_is_seldom_taken_for_bent(noise):
     assert binomtest(len(false), 200, FALSE_ALARMS, "greater").pvalue > 0.01
 
 
+@pytest.mark.parametrize("scale", [1e-300, 1e-50, 1e60])
+def test_the_unit_of_a_signal_bends_nothing(scale):
+    t, y = straight(np.random.default_rng(1), 0.1)
+    assert bend_of_wiener(t, scale * y) == pytest.approx(bend_of_wiener(t, y))
+
+
 @pytest.mark.full
 @pytest.mark.parametrize("n", [12, 60, 300])
 @pytest.mark.parametrize("noise", [0.0, 0.1])

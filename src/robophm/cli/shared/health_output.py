@@ -65,6 +65,13 @@ def health_table(
     return table(f"Health of {report.robot}", [columns[i] for i in kept], chosen, figures=figures)
 
 
+def observed_text(report: HealthReport) -> str:
+    """Return how long the robot was observed, by each of its clocks."""
+    clocks = {"operating": "h of operation", "calendar": "h in all", "kilometres": "km"}
+    lived = ", ".join(f"{number_text(v)} {clocks.get(n, n)}" for n, v in report.clocks.items())
+    return f"Observed: {lived if report.time is not None else 'nothing yet; sensor-based is nominal'}"
+
+
 def mark_lines(report: HealthReport) -> list[str]:
     """Return the lines that say what the stars of the table mean."""
     return [f"* {one.path}: {', '.join(one.marks)}" for one in report.subjects if one.marks]
@@ -74,9 +81,7 @@ def print_report(report: HealthReport, unit: str) -> None:
     """Print a report for people: the table, what qualifies it, what is breached."""
     out = console()
     print_table(out, health_table(report, unit))
-    clocks = {"operating": "h of operation", "calendar": "h in all", "kilometres": "km"}
-    lived = ", ".join(f"{number_text(v)} {clocks.get(n, n)}" for n, v in report.clocks.items())
-    out.print(f"Observed: {lived if report.time is not None else 'nothing yet; sensor-based is nominal'}", markup=False)
+    out.print(observed_text(report), markup=False)
     out.print("R is survival since new over that time; λ, remaining life and PoTC are given that it works now.")
     robot = report.design
     print_unknown(report.system.unknown, robot)

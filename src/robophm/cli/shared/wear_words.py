@@ -51,6 +51,8 @@ def print_worn(out: Console, found: WornMode) -> None:
     if found.to_come:
         under = ", ".join(f"{name} {number_text(value, 3)}" for name, value in found.to_come.items())
         say(f"As it would be at {under}, as times and speeds count here")
+        for outside in _outside(found):
+            say(outside, "yellow")
     low, median, high = (number_text(1000 * one, 3) for one in wear.trend)
     bend = f"; so far it is {wear.bend.direction} (p = {number_text(wear.bend.p_value, 2)})"
     noise = f"; noise of a reading {number_text(wear.noise, 2)}" if wear.noise else ""
@@ -71,6 +73,21 @@ def print_worn(out: Console, found: WornMode) -> None:
         most = [one for one in sorted(wear.weights.items(), key=lambda one: -one[1]) if one[1] >= TELLING][:3]
         say(f"By {', '.join(f'{name} {share_text(share, 2)}' for name, share in most)}")
     say(*_change_text(found))
+
+
+def _outside(found: WornMode) -> list[str]:
+    """Of conditions to come that no reading comes near: what is said rests on the law by which they speed wear up."""
+    said = []
+    for name, value in found.to_come.items():
+        taken = [found.readings.conditions, *(one.conditions for one in found.others)]
+        seen = np.concatenate([under[name] for under in taken if name in under])
+        low, high = float(seen.min()), float(seen.max())
+        if not low <= value <= high:
+            span = number_text(low, 3) + (f" … {number_text(high, 3)}" if high > low else "")
+            said.append(
+                f"Readings are at {name} {span}: what is said of {number_text(value, 3)} rests on its law alone"
+            )
+    return said
 
 
 def _threshold_text(found: WornMode) -> str:
@@ -120,8 +137,10 @@ def _change_text(found: WornMode) -> tuple[str, str]:
     meant = f"CUSUM for shifts of {shift}, half of them seen {delay} readings"
     if detector.promised:
         return f"{text} ({meant}; falsely once in {detector.between_false_alarms:g} while all is as then)", ""
+    if detector.drifts:
+        return f"{text} ({meant}; how often falsely cannot be promised: those drift already)", "yellow"
     worth = number_text(max(detector.independent, 1.0), 2)
-    why = f"those follow one another or drift already, and are worth {worth} independent"
+    why = f"those follow one another, and are worth {worth} independent"
     return f"{text} ({meant}; how often falsely cannot be promised: {why})", "yellow"
 
 

@@ -309,6 +309,9 @@ def _modes(rows: Sequence[Row], bounds: Sequence[tuple[float, float, float]]) ->
     for row, (_, high, _) in zip(rows, bounds, strict=True):
         if high < math.inf and "mode" not in row.cells:
             raise row.error("failed, but in which way is not said; expected it of every failure, or of none", "mode")
+        if high < math.inf and row.text("mode").casefold() in _NO_MODE:
+            raise row.error(f"failed, with '{row.text('mode'):.40}' as the way in which it did; expected the mode, or "
+                            "that it still worked (censored: yes)", "mode")  # fmt: skip
         if high == math.inf and "mode" in row.cells and row.text("mode").casefold() not in _NO_MODE:
             raise row.error(f"'{row.text('mode'):.40}' of a part that still worked; expected none", "mode")
     return [row.text("mode") if high < math.inf else "" for row, (_, high, _) in zip(rows, bounds, strict=True)]

@@ -79,7 +79,7 @@ def fit_power_law(
             )
     n = sum(map(len, times.values()))
     if n < 3:
-        raise DataError(f"{n} failures of repaired systems: a trend needs at least 3")
+        raise DataError(f"{n} failure{'s' * (n != 1)} of repaired systems: a trend needs at least 3")
     logs = sum(math.log(ends[item] / t) for item, some in times.items() for t in some)
     if not logs > 0:
         raise DataError("all failures are at the very end of what was watched: no trend to fit; expected times apart")

@@ -62,6 +62,11 @@ class Unit:
     """When it failed, if that is known from elsewhere; None: when its readings first are at the threshold, if ever."""
     conditions: Mapping[str, Array] = field(default_factory=dict)
     """Conditions that its readings were taken under, by name (``conditions.py``); shapes (readings,)."""
+    name: str = ""
+
+    def called(self, k: int) -> str:
+        """Return what it is called in an error, as the other unit ``k``, from 0."""
+        return f"unit {f'{self.name!r:.40}' if self.name else k + 1} of the others"
 
 
 @dataclass(frozen=True)
@@ -227,11 +232,14 @@ def alike(
     mine = [1 - (goal - own[1]) / way] if own else []
     width = _width([*levels, *mine])
     courses = tuple(_course(one[0], wear, width, one[3]) for one, wear in zip(turned, levels, strict=True))
+    if own and len(courses) > 1 and not any(one.duration > 0 for one in courses):
+        raise DataError(
+            "the others all begin beyond the threshold: these readings passed it before they began; expected older ones"
+        )
     for k, one in enumerate(courses):
         if not one.duration > 0:
             raise DataError(
-                f"unit {k + 1} of the others is past the threshold when its readings begin: how long it lived is not "
-                "seen; expected one that had yet to reach it, or not that unit"
+                f"{others[k].called(k)} is past the threshold when its readings begin: how long it lived is not seen"
             )
     now = Trajectory(own[0], mine[0], _level(mine[0], width), float(np.ptp(own[0])), False) if own else None
     return UnitsAlike(courses, now, new, way)
@@ -241,11 +249,9 @@ def _turned(one: Unit, threshold: float, k: int, *, falls: bool) -> tuple[Array,
     """Times, wear that grows, threshold, and the end that is told."""
     t, y = np.asarray(one.times, dtype=float), np.asarray(one.values, dtype=float)
     if t.shape != y.shape or t.ndim != 1 or len(t) < 2 or np.any(np.diff(t) <= 0):
-        raise DataError(f"unit {k + 1} of the others: expected two readings or more, each later than the one before")
+        raise DataError(f"{one.called(k)}: expected two readings or more, each later than the one before")
     if not (np.abs(y).max() <= WIDEST and np.abs(t).max() <= LONGEST and np.diff(t).min() >= 1 / LONGEST):
-        raise DataError(
-            f"unit {k + 1} of the others: a time or value is no number, or none that a clock or sensor says"
-        )
+        raise DataError(f"{one.called(k)}: a time or value is no number, or none that a clock or sensor says")
     sign = -1.0 if falls else 1.0
     return t, sign * y, sign * (threshold if one.threshold is None else one.threshold), one.failed
 
@@ -321,7 +327,8 @@ def _ways(now: Trajectory, others: Sequence[Trajectory], own: _Own | None, draws
     if own:
         shares = _beforehand(ways)
         priors = {way: shares[name] for name, way in ways.items()}
-        ways["its own past"] = _Own(np.append(own.ends, np.full(_infinite(own), np.inf)), priors)
+        endless = round(len(own.ends) * (1 / own.share - 1)) if own.share else 1
+        ways["its own past"] = _Own(np.append(own.ends, np.full(endless, np.inf)), priors)
     return ways
 
 
@@ -356,10 +363,6 @@ def _beforehand(ways: Iterable[str]) -> dict[str, float]:
     """Weights a priori, by name; those from here share theirs."""
     names = [name.partition(" ")[0] if name.startswith("from") else name for name in ways]
     return {way: BEFOREHAND[name] / names.count(name) for way, name in zip(ways, names, strict=True)}
-
-
-def _infinite(own: _Own) -> int:
-    return round(len(own.ends) * (1 / own.share - 1)) if own.share else 1
 
 
 def _from_here(

@@ -92,8 +92,8 @@ def forecast_under(
     Raises DataError as it does, and where conditions are not of every unit, unknown, or out of their range.
     """
     every = [unit, *others]
-    if to_come and not unit.conditions:
-        raise DataError(f"readings have no column {' or '.join(to_come)}, so what it would change cannot be said")
+    if unread := sorted(CONDITIONS.keys() & to_come.keys() - unit.conditions.keys()):
+        raise DataError(f"readings have no column {' or '.join(unread)}, so what it would change cannot be said")
     if not to_come and not any(one.conditions for one in every):
         return forecast_among(
             others, unit.times, unit.values, threshold, falls=falls, deviation=deviation, seed=seed, draws=draws,

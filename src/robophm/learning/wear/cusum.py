@@ -25,6 +25,9 @@ FEWEST = 30
 INDEPENDENT, SURE = 20.0, 0.9
 """Independent readings that a baseline must be worth for a promised rate of false alarms, and how surely."""
 
+DRIFTING = 2.58
+"""Correlation of a baseline with time, in its deviations, beyond which it drifts: 1 % of those that do not."""
+
 MOST_ORDER = 8
 """The highest order of the autoregression."""
 
@@ -60,6 +63,8 @@ class Cusum:
     """Readings of the baseline that are worth one independent one, at most: so sure as ``SURE``."""
     readings: int
     """Number of readings of the baseline."""
+    drifts: bool
+    """Whether the baseline rises or falls from its start to its end, more than so many independent readings would."""
 
     @property
     def independent(self) -> float:
@@ -68,8 +73,8 @@ class Cusum:
 
     @property
     def promised(self) -> bool:
-        """Whether that is enough to promise how often it alarms falsely."""
-        return self.independent >= INDEPENDENT
+        """Whether that is enough to promise how often it alarms falsely, and it does not drift."""
+        return self.independent >= INDEPENDENT and not self.drifts
 
     def alarms(self, values: npt.ArrayLike) -> tuple[Array, list[int]]:
         """The larger of the two sums after each reading, and where it alarmed; the sums begin anew at an alarm."""
@@ -121,9 +126,15 @@ def design(baseline: npt.ArrayLike, between_false_alarms: float, shift: float = 
     limit = _limit_for(highest, 1 / between_false_alarms)
     seen = np.sum(highest_sums(z + shift, k) <= limit, axis=-1) + 1
     delay = float(np.median(seen))
+    walks = _largest_roots(coefficients) >= NEAREST_TO_WALK - EXACT  # drawn back to there: no mean that it returns to
+    lengths = [
+        math.inf if is_walk else correlation_length(one) for one, is_walk in zip(coefficients, walks, strict=True)
+    ]
+    correlated = float(np.quantile(lengths, SURE, method="higher"))
+    with_time = abs(float(np.corrcoef(np.arange(n), y)[0, 1]))
     return Cusum(
-        float(y.mean()), deviation, k, limit, between_false_alarms, delay if delay <= length else math.inf,
-        float(np.quantile([correlation_length(one) for one in coefficients], SURE)), n,
+        float(y.mean()), deviation, k, limit, between_false_alarms, delay if delay <= length else math.inf, correlated,
+        n, drifts=with_time * math.sqrt(n / correlated) > DRIFTING,
     )  # fmt: skip
 
 
@@ -220,10 +231,15 @@ def correlation_length(coefficients: Array) -> float:
 
 def _drawn_back(phi: Array) -> Array:
     """Coefficients whose largest root is at most ``NEAREST_TO_WALK``; shape (courses, order)."""
+    share = np.minimum(1.0, NEAREST_TO_WALK / np.maximum(_largest_roots(phi), 1e-300))
+    result: Array = phi * share[:, None] ** np.arange(1, phi.shape[1] + 1)
+    return result
+
+
+def _largest_roots(phi: Array) -> Array:
+    """Magnitudes of the largest roots; shape (courses,)."""
     count, order = phi.shape
     companion = np.zeros((count, order, order))
     companion[:, 0], companion[:, range(1, order), range(order - 1)] = phi, 1.0
-    radius = np.abs(np.linalg.eigvals(companion)).max(axis=1)
-    share = np.minimum(1.0, NEAREST_TO_WALK / np.maximum(radius, 1e-300))
-    result: Array = phi * share[:, None] ** np.arange(1, order + 1)
+    result: Array = np.abs(np.linalg.eigvals(companion)).max(axis=1)
     return result

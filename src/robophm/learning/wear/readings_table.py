@@ -29,6 +29,10 @@ COLUMNS: Mapping[str, Sequence[str]] = {
 which of several equal things the row is of."""
 
 
+LATEST = 9.2e9
+"""Seconds from the epoch within which dates lie, so that nanoseconds are whole numbers of 64 bits."""
+
+
 @dataclass(frozen=True)
 class Readings:
     """A signal; shapes (readings,)."""
@@ -74,7 +78,9 @@ def times_of(rows: Sequence[Row], unit: str) -> tuple[Array, bool, npt.NDArray[n
     Raises DataError, with the line, where they do not ascend.
     """
     dated = "when" in rows[0].cells
-    dates = [date_of(row, "when").timestamp() for row in rows] if dated else []
+    if both := next((row for row in rows if "time" in row.cells and "when" in row.cells), None):
+        raise both.error("has a time and a date; expected one of the two columns")
+    dates = [_date(row) for row in rows] if dated else []
     times = [(date - dates[0]) / 3600 for date in dates] if dated else [_age(row, unit) for row in rows]
     for before, after, row in zip(times, times[1:], rows[1:], strict=False):
         if not after > before:
@@ -110,6 +116,14 @@ def at_load(values: npt.ArrayLike, load: npt.ArrayLike, baseline: int, reference
     slope = np.polyfit(x[:baseline], y[:baseline], 1)[0]
     result: Array = y - slope * (x - reference)
     return result
+
+
+def _date(row: Row) -> float:
+    """A date [s since the epoch] that nanoseconds since then can say."""
+    date = date_of(row, "when").timestamp()
+    if abs(date) > LATEST:
+        raise row.error(f"{row.text('when')!r:.40} is no date of a reading; expected one from 1678 to 2261", "when")
+    return date
 
 
 def _age(row: Row, unit: str) -> float:

@@ -61,5 +61,5 @@ def others_of_table(path: Path, clock: str, *, dated: bool, load: float | None =
             )
         if len(one.times) < 2:
             raise DataError(f"{path}: unit {name!r:.40} has one reading; expected at least two")
-        found.append(Unit(one.times, one.values, conditions=one.conditions))
+        found.append(Unit(one.times, one.values, conditions=one.conditions, name=name))
     return found

@@ -42,6 +42,7 @@ def bend_of_wiener(t: Array, y: Array) -> Bend:
     """Test the trend of readings that wander and are noisy."""
     dt = np.diff(t)
     n, typical = len(dt), float(np.median(dt))
+    y = y / max(float(np.ptp(y)), 1e-300)  # of tiny values squares would be none
     columns = np.column_stack((dt, np.diff((t - t.mean()) ** 2), np.diff(y)))  # steady, changing, seen
     log, p, change = np.empty((3, len(RATIOS)))
     for k, ratio in enumerate(RATIOS):
