@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 from robophm.core.errors import RobophmError, StoreError
-from robophm.stores import open_store, stores
+from robophm.stores import open_store, restore_store, stores
 from robophm.stores.alarm_log import AlarmsInMemory
 from robophm.stores.events import Event
 from robophm.stores.figures import FIGURES, STATES, FigureSeries
@@ -179,6 +179,24 @@ def test_a_signal_is_brought_back_too_whatever_was_let_go_of(store: Store) -> No
         assert store.upkeep().faults() == []
         told = store.history("R").course("/t.x", last + 1, last + 3 * DAY + 1, 1000)
         assert told.mean[:, 0].tolist() == [values[one["time"]] for one in again if one["time"] in values]
+
+
+def test_a_store_that_is_made_anew_has_all_of_a_signal_that_was_kept(tmp_path: Path) -> None:
+    """Also of the time of which only spans were kept: nothing is left there to work them out from."""
+    path = tmp_path / "past.db"
+    reports, _ = drawn_signal(60, 9)
+    with SqliteStore(path) as store:
+        store.save("R", {"age": 1}, (), reports)
+        before = store.history("R").course("/t.x", points=10_000)
+    with closing(sqlite3.connect(path)) as base, base:
+        base.execute("UPDATE kept_report SET body = x'00' WHERE time = ?", (reports[-1]["time"],))
+    assert restore_store(path)
+    with SqliteStore(path) as store:
+        assert store.upkeep().faults() == []
+        after = store.history("R").course("/t.x", points=10_000)
+    assert after.times.tolist() == before.times.tolist()
+    for one, other in zip(before[1:], after[1:], strict=True):
+        np.testing.assert_array_equal(one, other)
 
 
 def test_of_more_signals_than_are_kept_it_is_the_first(store: Store) -> None:

@@ -93,7 +93,7 @@ def _write(path: Path, found: Mapping[str, Rows], damaged: sqlite3.Connection) -
             signals = _signals(damaged, robot)
             keep_signals(base, robot, signals)
             for signal in ("", *signals):
-                Pyramid(base, signal).take_rows(robot, Pyramid(damaged, signal).sound_rows(robot))
+                Pyramid(base, signal).take_sound(robot, Pyramid(damaged, signal))
         base.execute("COMMIT")
 
 

@@ -55,10 +55,14 @@ class Pyramid:
             return
         values = np.array([rows[time] for time in times])
         at = np.array(times, dtype=np.int64)
+        days = sorted({time // DAY * DAY for time in times})
+        before = self._sums(number, days)
         self._put(number, FigureSeries(0, at, (~np.isnan(values)).astype(np.int64), values, values, values))
         self._raise(number, times)
         self._thin(number)
-        self._know_days(robot)
+        # The other days are not read: they stay known as they were written, however many there are.
+        after, (count, sums) = self._sums(number, days), known(self._base, self._part, robot)
+        know(self._base, self._part, robot, count + len(after) - len(before), _together([sums, *before, *after]))
 
     def drop_after(self, robot: str, last: int) -> None:
         """Forget what came after a time [ns]."""
@@ -91,29 +95,34 @@ class Pyramid:
         least = -(-long // (points - 1))  # which begin at multiples: one more than fit
         return joined(found, next(length for length in _round_lengths(least) if length % max(width, 1) == 0))
 
-    def sound_rows(self, robot: str) -> Iterator[tuple[int, bytes]]:
-        """Yield times and bodies of the reports' figures that are as written, from both ends as far as possible."""
-        number, reached = self._number(robot), -(2**63)
-        for order in ("ASC", "DESC"):
-            query = f"SELECT start, body FROM figures WHERE robot = ? AND width = 0 ORDER BY start {order}"
-            first = order == "ASC"
-            with suppress(sqlite3.Error, UnicodeError):
-                for start, body in self._base.execute(query, (number,)):
-                    if not first and start <= reached:
-                        break
-                    if _is_sound(number, 0, start, body):
-                        reached = max(reached, start) if first else reached
-                        yield start, body
-
-    def take_rows(self, robot: str, rows: Iterable[tuple[int, bytes]]) -> None:
-        """Keep figures of reports as ``sound_rows`` gives them."""
-        number, left = self._number(robot), iter(rows)
-        while some := list(islice(left, MOST_ROWS)):
-            said = ((number, start, body) for start, body in some)
-            self._base.executemany("INSERT OR REPLACE INTO figures VALUES (?, 0, ?, ?)", said)
-            self._raise(number, [start for start, _ in some])
+    def take_sound(self, robot: str, damaged: Pyramid) -> None:
+        """Keep what is sound in a damaged pyramid of the same: its reports, and spans of before they are kept."""
+        number = self._number(robot)
+        for i, width in enumerate(WIDTHS if self._signal else WIDTHS[:1]):  # of a robot's figures all reports are kept
+            until = self._day_of(number, "min", WIDTHS[i - 1]) if i else None
+            left = (row for row in damaged._sound_rows(number, width) if until is None or row[0] < until)
+            while some := list(islice(left, MOST_ROWS)):
+                said = ((number, width, start, body) for start, body in some)
+                self._base.executemany("INSERT OR REPLACE INTO figures VALUES (?, ?, ?, ?)", said)
+                self._raise(number, [start for start, _ in some])
         self._thin(number)
         self._know_days(robot)
+
+    def _sound_rows(self, number: int, width: int) -> Iterator[tuple[int, bytes]]:
+        """Times and bodies of a level that are as written, from both ends as far as possible."""
+        reached = -(2**63)
+        for order in ("ASC", "DESC"):
+            query = f"SELECT start, body FROM figures WHERE robot = ? AND width = ? ORDER BY start {order}"
+            first = order == "ASC"
+            with suppress(sqlite3.Error, UnicodeError):
+                for start, body in self._base.execute(query, (number, width)):
+                    if not isinstance(start, int):  # as what is damaged may be
+                        continue
+                    if not first and start <= reached:
+                        break
+                    if _is_sound(number, width, start, body):
+                        reached = max(reached, start) if first else reached
+                        yield start, body
 
     def check(self, robot: str) -> None:
         """Raise DamagedError where the robot's rows are not those that were written."""
@@ -173,9 +182,15 @@ class Pyramid:
 
     def _days(self, number: int) -> tuple[int, int]:
         """How many days there are, and all their checksums together."""
-        query = "SELECT substr(CAST(body AS BLOB), ?) FROM figures WHERE robot = ? AND width = ?"
-        sums = [one for (one,) in self._base.execute(query, (-_SUM, number, WIDTHS[-1]))]
-        return len(sums), functools.reduce(operator.xor, (int.from_bytes(bytes(one)) for one in sums), 0)
+        sums = self._sums(number, [-(2**63), 2**63 - 1])
+        return len(sums), _together(sums)
+
+    def _sums(self, number: int, days: Sequence[int]) -> list[int]:
+        """The checksums of all days from the first of these to the last."""
+        query = """SELECT substr(CAST(body AS BLOB), ?) FROM figures
+            WHERE robot = ? AND width = ? AND start BETWEEN ? AND ?"""
+        rows = self._base.execute(query, (-_SUM, number, WIDTHS[-1], days[0], days[-1]))
+        return [int.from_bytes(bytes(one)) for (one,) in rows]
 
     def _know_days(self, robot: str) -> None:
         know(self._base, self._part, robot, *self._days(self._number(robot)))
@@ -221,6 +236,10 @@ def number_of(robot: str) -> int:
 
 def _checksum(number: int, width: int, start: int, body: bytes) -> bytes:
     return zlib.crc32(body, zlib.crc32(f"{number} {width} {start}".encode())).to_bytes(_SUM)
+
+
+def _together(sums: Iterable[int]) -> int:
+    return functools.reduce(operator.xor, sums, 0)
 
 
 def _is_sound(number: int, width: int, start: int, row: bytes) -> bool:
