@@ -40,7 +40,7 @@ def command(
         found, left_out = experience(fleet, [robot])
         differ = [one.to_json() for one in compare(found, prior).compared if one.real]
         own = of_cohort(found[0], cohort) if cohort else found[0]
-        learned = learn(robot, own.seen, prior)
+        learned = learn(robot, own.seen, prior, each_robot=False)
         evidence = {
             "rates": [rate_json(one) | {"unit": CLOCK_UNITS[one.mode.clock]} for one in learned],
             "cohorts": differ, "robots": [one.robot for one in own.robots], "promises": _promises(fleet, robot),
