@@ -16,7 +16,9 @@ from robophm.core.errors import DataError
 from robophm.core.signal import DAY, HOUR
 from robophm.design.file import parse
 from robophm.fleet.calibration import calibrate
+from robophm.fleet.page.proposed import proposal_page
 from robophm.fleet.payload import Payload, PresentState, Report
+from robophm.fleet.proposals import proposals
 from robophm.fleet.store import FleetStore
 from robophm.health.service import ServiceNote, take_note
 from robophm.stores.outbox import COLUMNS
@@ -118,3 +120,13 @@ def test_as_people_ask(store, robot, tmp_path):
     assert "nothing against it" in text
     said = json.loads(CliRunner().invoke(app, [*words, "--by", "year", "--json"]).stdout)
     assert said["cohorts"][0]["promised"] == pytest.approx(RATE * 48, rel=1e-5)
+
+
+def test_a_proposal_says_how_the_design_before_it_has_kept_its_promises(store, robot, tmp_path):
+    tell(store, "r", "Kiel", robot, 10, failures=(8, 7, 6, 5, 4, 3, 2, 1))
+    (tmp_path / "robot.yaml").write_text(DESIGN)
+    words = ["fleet", "propose", str(tmp_path / "robot.yaml"), "--store", store.place]
+    done = CliRunner().invoke(app, words)
+    assert "Site Kiel: 0.464 failures promised in 30 days, 8 noted" in done.stdout
+    assert "which does not hold" in done.stdout
+    assert "Promises of the last 30 days" in proposal_page(proposals(store)[0])

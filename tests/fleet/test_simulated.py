@@ -6,6 +6,7 @@ import csv
 import json
 import re
 import time
+from collections import Counter
 from itertools import groupby, pairwise
 from pathlib import Path
 
@@ -13,6 +14,8 @@ import pytest
 from typer.testing import CliRunner
 
 from robophm.cli.app import app
+from robophm.design.file import load
+from robophm.fleet.experience import experience
 from robophm.fleet.questions import present, reports, status
 from robophm.simulation.fleet import simulate
 from robophm.stores.outbox import COLUMNS
@@ -69,6 +72,14 @@ def test_robots_that_really_fail_report_over_the_wire(fleet, store, tmp_path):
             (row["part"], row["event"]) for row in own
             if row["event"] == "replaced" or (row["event"] == "failed" and row["part"] in TELL)
         ]  # fmt: skip
+    (learned,) = experience(store, [load(DESIGN)]).designs
+    for at, robot in enumerate(learned.robots, 1):
+        own = [row for row in truth if row["robot"] == f"robot-{at}"]
+        over = [row["event"] for row in own].index("end")
+        seen = Counter(
+            row["part"] for row in own[:over] if row["event"] == ("failed" if row["part"] in TELL else "replaced")
+        )
+        assert {one.mode.path: one.failures for one in robot.seen if one.failures} == seen
     assert "already; expected another --seed" in said("--store", fleet.path, "--fleet", fleet.address, "--robots", 1,
                                                       "--tasks", 1, "--seed", SEED, code=1)  # fmt: skip
 

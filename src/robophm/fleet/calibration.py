@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import asdict
 from datetime import UTC, datetime
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from robophm.calibration.honest_past import MONTH, MOST_POINTS, Noted, tells_nothing
 from robophm.calibration.promised_failures import LEVEL, CountedFailures
@@ -33,6 +34,13 @@ class CohortCalibration(NamedTuple):
     def rejected(self) -> bool:
         """Return whether the count speaks against what was promised."""
         return self.chance < LEVEL
+
+    def to_json(self) -> dict[str, Any]:
+        """Return it as plain values for JSON."""
+        return {
+            "cohort": self.cohort, "robots": self.robots, **asdict(self.counted), "alone": self.counted.chance,
+            "chance": self.chance, "rejected": self.rejected,
+        }  # fmt: skip
 
 
 class FleetCalibration(NamedTuple):

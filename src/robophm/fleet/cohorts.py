@@ -83,7 +83,7 @@ def cohort_rates(designs: Sequence[Experience], kind: str, prior: str | None = N
             seen = [seen for robot in robots for seen in robot.seen]
             found += [
                 CohortRate(experience.design.name, cohort, len(robots), one)
-                for one in learn(experience.design, seen, prior)
+                for one in learn(experience.design, seen, prior, each_robot=False)
             ]
     return found
 

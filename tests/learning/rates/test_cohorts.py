@@ -8,7 +8,9 @@ from scipy.stats import binom, gamma, halfnorm, nbinom, norm
 from robophm.learning.rates.cohorts import FALSE_RATE, adjusted, compare_cohort, predicted_failures
 from robophm.learning.rates.fleet import MEDIAN_SPREAD, Powers
 from robophm.learning.rates.gamma_poisson import update
+from robophm.learning.rates.life_scale import Lived, fit_scale
 from robophm.learning.rates.rate_update import Promised
+from robophm.life.weibull import Weibull
 
 FAILED = np.array([2.0, 0.0, 1.0, 3.0, 9.0, 4.0, 12.0])
 EXPECTED = np.array([1.5, 0.6, 1.1, 2.0, 1.2, 0.9, 2.5])
@@ -78,6 +80,22 @@ def test_a_cohort_without_failures():
     assert (found.failures, found.times[0]) == (0, 0.0)
     assert 0 < found.times[1] < 3.5
     assert found.chance > FALSE_RATE  # three robots of which few would have failed
+
+
+def test_lives_that_are_no_power_of_age_go_the_same_way():
+    """Exponential lives by what is promised in each, and by counts: two ways to the same chance."""
+    rng, of = np.random.default_rng(5), Weibull(scale=100.0, shape=1.0)
+    robots = [
+        [Lived(0.0, float(age), 1.0, 1.0) for age in rng.exponential(100 / rate, 6)] for rate in [1.0] * 6 + [4] * 4
+    ]
+    expected = np.array([sum(one.length for one in some) / 100 for some in robots])
+    together, by_rate = fit_scale(of, robots, float(expected.sum()), 1.0, 1.0)
+    failures, inside = np.full(10, 6.0), np.arange(10) > 5
+    by_lives = compare_cohort(Promised(failures.tolist(), by_rate, together), inside)
+    by_count = compare_cohort(promised(failures, expected), inside)
+    assert by_lives.chance == pytest.approx(by_count.chance, rel=0.01)
+    assert by_lives.others.expected == pytest.approx(by_count.others.expected, rel=1e-3)
+    assert by_lives.times == pytest.approx(by_count.times, rel=0.01)
 
 
 def test_holm_by_hand():

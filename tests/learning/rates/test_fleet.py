@@ -45,6 +45,12 @@ def test_pumps_by_brute_force():
         assert found.robots[k][1:] == pytest.approx(np.quantile(own, (0.05, 0.95)), rel=0.03)
 
 
+def test_without_each_robots_own_the_rest_is_the_same():
+    expected = Powers(HOURS, 1.0), update(75.0, float(HOURS.sum()), 1.0)
+    one, other = fleet(PUMPS, *expected), fleet(PUMPS, *expected, each_robot=False)
+    assert (other.mean, other.next, other.spread, other.robots) == (one.mean, one.next, one.spread, ())
+
+
 def test_estimates_are_drawn_to_all_failures_over_all_that_was_expected():
     found = learned(PUMPS, HOURS)
     assert found.mean.times == found.next.times == pytest.approx(update(75.0, float(HOURS.sum()), 1.0).estimate)

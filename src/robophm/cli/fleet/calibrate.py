@@ -34,11 +34,7 @@ def command(
         print_json({
             "by": by, "robots": found.robots, "not_told": found.not_told,
             "together": asdict(found.together) | {"chance": found.together.chance},
-            "cohorts": [
-                {"cohort": one.cohort, "robots": one.robots, **asdict(one.counted), "alone": one.counted.chance,
-                 "chance": one.chance, "rejected": one.rejected}
-                for one in found.cohorts
-            ],
+            "cohorts": [one.to_json() for one in found.cohorts],
         })  # fmt: skip
         return
     for name, why in found.not_told.items():

@@ -42,7 +42,10 @@ def command(
     loaded = [load(one) for one in designs]
     with FleetStore(store) as fleet:
         found = experience(fleet, loaded)
-    learned = [(one, learn(one.design, one.seen, prior), unstated(one.design, one.seen)) for one in found.designs]
+    learned = [
+        (one, learn(one.design, one.seen, prior, each_robot=False), unstated(one.design, one.seen))
+        for one in found.designs
+    ]
     compared = compare(found.designs, prior)
     rates = [] if by is None else cohort_rates(found.designs, by, prior)
     if as_json:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -11,8 +11,10 @@ from robophm.cli.shared.learned import rate_json
 from robophm.cli.shared.options import Design, Json
 from robophm.cli.shared.output import print_json, warn
 from robophm.cli.shared.proposed import print_proposal, proposal_json
+from robophm.core.errors import DataError
 from robophm.design.file import load
-from robophm.design.robot import CLOCK_UNITS
+from robophm.design.robot import CLOCK_UNITS, Robot
+from robophm.fleet.calibration import calibrate
 from robophm.fleet.cohorts import compare
 from robophm.fleet.experience import experience
 from robophm.fleet.proposals import of_cohort, propose
@@ -38,10 +40,10 @@ def command(
         found, left_out = experience(fleet, [robot])
         differ = [one.to_json() for one in compare(found, prior).compared if one.real]
         own = of_cohort(found[0], cohort) if cohort else found[0]
-        learned = learn(robot, own.seen, prior)
+        learned = learn(robot, own.seen, prior, each_robot=False)
         evidence = {
             "rates": [rate_json(one) | {"unit": CLOCK_UNITS[one.mode.clock]} for one in learned],
-            "cohorts": differ, "robots": [one.robot for one in own.robots],
+            "cohorts": differ, "robots": [one.robot for one in own.robots], "promises": _promises(fleet, robot),
         }  # fmt: skip
         made = propose(fleet, design, robot.name, cohort, learned, evidence)
     if as_json:
@@ -50,3 +52,11 @@ def command(
     for name, why in left_out.items():
         warn(f"{name}: {why}; left out")
     print_proposal(made)
+
+
+def _promises(fleet: FleetStore, robot: Robot) -> list[dict[str, Any]]:
+    """What the design as it is has promised, site by site; nothing where no robot's figures tell."""
+    try:
+        return [one.to_json() for one in calibrate(fleet, [robot], "site").cohorts]
+    except DataError:
+        return []

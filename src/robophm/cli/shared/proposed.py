@@ -42,6 +42,13 @@ def print_proposal(one: Proposal) -> None:
             f"{number_text(each['high'], 3)} times the others (p = {number_text(each['chance'], 2)}); one rate for all "
             "is wrong for it", style="yellow", markup=False, soft_wrap=True,
         )  # fmt: skip
+    for each in one.evidence["promises"]:
+        said = f"(p = {number_text(each['chance'], 2)}{', which does not hold' if each['rejected'] else ''})"
+        out.print(
+            f"Site {each['cohort']}: {number_text(each['promised'], 3)} failures promised in 30 days, "
+            f"{each['noted']} noted {said}",
+            style="yellow" if each["rejected"] else None, markup=False, soft_wrap=True,
+        )  # fmt: skip
     out.print(one.diff, markup=False, soft_wrap=True)
     for decision in one.decisions:
         out.print(f"{moment_text(decision.time)}: {decision.decided} by {decision.person}", markup=False)

@@ -57,6 +57,15 @@ def _sections(one: Proposal) -> Iterator[Html | str]:
         names = ("part", "cohort", "failures", "by the others", "times the others, 90 %", "chance")
         yield section("Cohorts that differ", "One rate for all is wrong for these.",
                       table_html(names, differ, "", "llrrrr"))  # fmt: skip
+    promises = [
+        (each["cohort"], str(each["robots"]), number_text(each["promised"], 3), str(each["noted"]),
+         number_text(each["chance"], 2), "does not hold" if each["rejected"] else "nothing against it")
+        for each in one.evidence["promises"]
+    ]  # fmt: skip
+    if promises:
+        names = ("site", "robots", "failures promised", "noted", "chance", "what was promised")
+        yield section("Promises of the last 30 days, by the design as it was",
+                      table_html(names, promises, "", "lrrrrl"))  # fmt: skip
     yield section("Changes", element("pre", one.diff, tabindex="0"))
     if one.decisions:
         decided = [(_time(each.time), each.decided, each.person) for each in one.decisions]

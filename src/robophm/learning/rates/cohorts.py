@@ -126,7 +126,7 @@ def predicted_failures(seen: Promised, inside: npt.NDArray[np.bool_]) -> Predict
 
 
 def adjusted(chances: Sequence[float]) -> list[float]:
-    """Return chances as if each were the only one: with those of at most p, nothing true is rejected but with p.
+    """Return chances adjusted for their number: those of at most p taken for real, any is wrongly so with p at most.
 
     S. Holm, *Scand. J. Statist.* 6, 65, 1979, whatever hangs together among them.
     """

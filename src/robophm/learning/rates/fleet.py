@@ -133,21 +133,23 @@ class Fleet:
     next: StatedRateRatio
     """The ratio for a further robot of this fleet, of which nothing is known yet."""
     robots: tuple[StatedRateRatio, ...]
-    """The ratio for each robot, in order; the less was seen of one, the more it is drawn towards the others."""
+    """The ratio for each robot, in order, where that was asked for; the less was seen of one, the more it is drawn
+    towards the others."""
     spread: tuple[float, float, float] | None = None
     """Coefficient of variation of the hazard from robot to robot: 5 %, 50 % and 95 % quantile; None of one robot, or
     where nothing was expected of any."""
 
 
-def fleet(failures: Sequence[float], promise: ExpectedFailures, found: Posterior) -> Fleet:
+def fleet(failures: Sequence[float], promise: ExpectedFailures, found: Posterior, *, each_robot: bool = True) -> Fleet:
     """Infer the ratios of a fleet and of each of its robots, at least one, from their failures.
 
     ``found``: the posterior of the rate that all have together; the fleet's mean is what it says on average.
+    ``each_robot``: whether each robot's own ratio is asked for, which takes most of the time; else there is none.
     """
     together = pooled(promise, found)
     n = np.array(failures, dtype=float)
     if len(n) == 1 or found.expected == 0:
-        return Fleet(together, together, (together,) * len(n))
+        return Fleet(together, together, (together,) * len(n) if each_robot else ())
     nodes = nodes_of(n, promise, found)
     beta, reach = promise.beta, promise.reach * promise.beta
     low, _, high = (math.exp(one / beta) for one in _quantiles(nodes.log_mean, nodes.weight))
@@ -160,7 +162,7 @@ def fleet(failures: Sequence[float], promise: ExpectedFailures, found: Posterior
         reach,
     )
     another = StatedRateRatio(together.times, *(one ** (1 / beta) for one in ends))
-    own = _each(n, promise, few, together.times)
+    own = _each(n, promise, few, together.times) if each_robot else ()
     return Fleet(mean, another, own, _quantiles(1 / np.sqrt(nodes.s), nodes.weight))
 
 

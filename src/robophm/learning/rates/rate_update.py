@@ -81,12 +81,15 @@ class LearnedRate:
         return self.stated * self.factor
 
 
-def learn(robot: Robot, seen: Iterable[Seen], prior: str | None = None, of: str | None = None) -> list[LearnedRate]:
+def learn(
+    robot: Robot, seen: Iterable[Seen], prior: str | None = None, of: str | None = None, *, each_robot: bool = True
+) -> list[LearnedRate]:
     """Return how far each stated rate is off, for failure modes of which anything was seen; in design order.
 
     What was seen of one failure mode in one robot adds up. A rate that is unknown cannot be off: see ``unstated``.
     ``prior``: what stated rates count as, such as '10000 h' or '2 failures'; else what the design's ``uncertainty``
-    says, else one failure. ``of``: one robot of the fleet, else what is known of any. Raises DataError.
+    says, else one failure. ``of``: one robot of the fleet, else what is known of any; ``each_robot``: with each
+    robot's own rate, which of many takes most of the time. Raises DataError.
     """
     by_mode: dict[str, list[Seen]] = {}
     for one in merged(seen):
@@ -95,7 +98,7 @@ def learn(robot: Robot, seen: Iterable[Seen], prior: str | None = None, of: str 
     if of is not None and of not in names:
         raise DataError(f"no robot '{of}' in what was seen; there are {', '.join(names[:12]) or 'none'}")
     return [
-        _learned(mode, by_mode[mode.path], prior, of)
+        _learned(mode, by_mode[mode.path], prior, of, each_robot=each_robot)
         for mode in robot.modes
         if mode.path in by_mode and not mode.unknown
     ]
@@ -167,12 +170,14 @@ def promised(mode: FailureMode, seen: Sequence[Seen], prior: str | None = None) 
     return Promised(failures, by_rate, found)
 
 
-def _learned(mode: FailureMode, seen: Sequence[Seen], prior: str | None, of: str | None) -> LearnedRate:
+def _learned(
+    mode: FailureMode, seen: Sequence[Seen], prior: str | None, of: str | None, *, each_robot: bool
+) -> LearnedRate:
     n, by_rate, found = promised(mode, seen, prior)
     return LearnedRate(
         mode, mode.rate / (mode.evidence.factor if mode.evidence else 1.0), math.fsum(n), found.expected,
-        math.fsum(one.exposure for one in seen), found, fleet(n, by_rate, found), tuple(one.robot for one in seen),
-        tuple(n), of,
+        math.fsum(one.exposure for one in seen), found, fleet(n, by_rate, found, each_robot=each_robot),
+        tuple(one.robot for one in seen), tuple(n), of,
     )  # fmt: skip
 
 
