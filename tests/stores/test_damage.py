@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import random
 import shutil
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,7 @@ import pytest
 from robophm.core.errors import StoreError
 from robophm.stores import restore_store
 from robophm.stores.events import Event
+from robophm.stores.pyramid import number_of
 from robophm.stores.service_requests import ServiceRequest
 from robophm.stores.sqlite import SqliteStore
 from robophm.stores.store import Progress
@@ -189,6 +192,20 @@ def test_six_thousand_flipped_bits(sound: Path, tmp_path: Path) -> None:
     counts = judge(sound, tmp_path, range(1000, 7000))
     print(counts)
     assert counts["said"] > 2500
+
+
+@pytest.mark.parametrize("levels", [1, 2, 3, 4])
+def test_figures_that_are_hidden_on_several_levels_are_missed(sound: Path, tmp_path: Path, levels: int) -> None:
+    """As one flipped bit in a page of the index hides them: reports, or spans of ten minutes, hours and days too."""
+    path = tmp_path / "past.db"
+    shutil.copy(sound, path)
+    with closing(sqlite3.connect(path)) as base, base:
+        base.execute("DELETE FROM figures WHERE robot = ? AND width IN (SELECT DISTINCT width FROM figures ORDER BY "
+                     "width LIMIT ?)", (number_of("R"), levels))  # fmt: skip
+    with SqliteStore(path) as store:
+        assert len(store.history("Rover 2").figures().times)
+        with pytest.raises(StoreError, match="the figures of the history are damaged"):
+            store.history("R").figures()
 
 
 def test_a_sound_store_is_left_alone(sound: Path) -> None:

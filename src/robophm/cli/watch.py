@@ -189,13 +189,13 @@ def _ended_by_signals(source: LiveSource) -> Iterator[None]:
     letting_go = threading.Timer(QUICK_END, close)
     letting_go.daemon = True
 
-    def stop(*_signal: object) -> None:
+    def stop(number: int, _frame: object) -> None:
         if asked.is_set():
             close()
             return
         asked.set()
         letting_go.start()
-        leave_in_time()
+        leave_in_time(number)
         source.stop()
 
     with ExitStack() as stack:

@@ -55,9 +55,12 @@ def leave(code: int, said: str) -> None:
     os._exit(code)
 
 
-def leave_in_time() -> threading.Timer:
-    """Count from now: after LONGEST_END this process leaves with 0, unless what is returned is cancelled."""
-    counting = threading.Timer(LONGEST_END, leave, (0, "warning: ended while things were still being closed"))
+def leave_in_time(number: int) -> threading.Timer:
+    """Count from now: after LONGEST_END this process leaves as by the signal, unless what is returned is cancelled.
+
+    Its last seconds may be lost then, so that it is no end in order.
+    """
+    counting = threading.Timer(LONGEST_END, leave, (128 + number, "error: ended before all that was heard was kept"))
     counting.daemon = True
     counting.start()
     return counting

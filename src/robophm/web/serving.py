@@ -151,6 +151,7 @@ class Wish:
         """``of_process``: whether it comes by signals, and the process ends with the server."""
         self._of_process = of_process
         self._asked: float | None = None
+        self._number = 0  # of the signal by which it was
         self._server: _Server | None = None
         self._keep: Callable[[], None] = lambda: None
         self._over = threading.Event()
@@ -160,10 +161,10 @@ class Wish:
         self._server, self._keep = server, keep
         server.should_exit = self._asked is not None
 
-    def stop(self, *_signal: object) -> None:
+    def stop(self, number: int, _frame: object) -> None:
         """Ask the server to stop in order, which takes seconds at most; a second time changes nothing of that."""
         if self._asked is None:
-            self._asked = time.monotonic()
+            self._asked, self._number = time.monotonic(), number
             if self._of_process:
                 sys.setswitchinterval(SWITCH)
                 threading.Thread(target=self._end_in_time, name="end in time", daemon=True).start()
@@ -180,6 +181,8 @@ class Wish:
         keeping = threading.Thread(target=self._keep, name="keep the past", daemon=True)
         keeping.start()
         keeping.join(LONGEST_END)
+        if keeping.is_alive():
+            leave(128 + self._number, "error: ended before the past was kept")
         if not self._over.wait(max(0.0, self._asked + LONGEST_COMPUTING - time.monotonic())):
             leave(0, "warning: ended while requests were still computed")
 
