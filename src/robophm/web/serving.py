@@ -161,7 +161,7 @@ class Wish:
         self._server, self._keep = server, keep
         server.should_exit = self._asked is not None
 
-    def stop(self, number: int, _frame: object) -> None:
+    def stop(self, number: int = signal.SIGTERM, _frame: object = None) -> None:
         """Ask the server to stop in order, which takes seconds at most; a second time changes nothing of that."""
         if self._asked is None:
             self._asked, self._number = time.monotonic(), number
