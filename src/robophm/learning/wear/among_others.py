@@ -2,7 +2,8 @@
 
 Five ways of foretelling are weighed by how well each foretells the others, one by one, from where the unit is now:
 
-- its own past, by all degradation models (``averaging.py``), with the lives of the others as a prior;
+- its own past, by all degradation models (``averaging.py``), with the lives of the others as a prior; by itself, and as
+  far as such forecasts held of the others (``own_forecast.py``);
 - the lives of the others, whatever the signal says;
 - how long others went on from the level where it is now, by how fast each had come there: from new, and through the
   last part of the way. That is similarity to their courses, with as much of it kept as the others themselves show;
@@ -22,6 +23,7 @@ import numpy.typing as npt
 from robophm.core.errors import DataError
 from robophm.learning.wear.averaging import DRAWS, LONGEST, WIDEST, Forecast, checked, first_passage, forecast
 from robophm.learning.wear.log_regression import LIFE_SCATTER, Array, LogStudent, lasting
+from robophm.learning.wear.own_forecast import WORST, OwnForecast
 from robophm.learning.wear.shape_invariant import DegradationCurve, along
 from robophm.learning.wear.since_onset import onset
 from robophm.learning.wear.stated_life import StatedLife
@@ -45,9 +47,6 @@ BEFOREHAND = {"its own past": 1.0, "others' lives": 0.15, "from": 1.0, "along": 
 
 STEPS = 200
 """Steps of the EM algorithm, after which weights stay."""
-
-WORST = -20.0
-"""Log density below which it does not matter how wrong a way of foretelling was."""
 
 
 @dataclass(frozen=True)
@@ -160,14 +159,15 @@ def forecast_among(
     if alone.shows and (now := _looked_at(now)).onset is not None:
         courses.sort(key=lambda one: not one.ended)
         courses[:ASKED] = map(_looked_at, courses[:ASKED])
-    ways = _ways(now, courses, _Own(alone.passage), draws)
+    asked = _asked(now, courses) if alone.shows else []
+    ways = _ways(now, courses, OwnForecast(alone.passage), _fared_with(asked), draws)
     if not alone.shows:  # before damage shows its level tells nothing
         ways = {"others' lives": ways["others' lives"]}
-    weights = _weights(now, courses, ways)
+    weights = _weights(courses, ways, asked)
     rng = np.random.default_rng(seed)
     counts = rng.multinomial(draws, list(weights.values()))
     passage = np.concatenate([ways[name].quantile(rng.random(n)) for name, n in zip(weights, counts, strict=True)])
-    its_own = weights.get("its own past", 0.0)
+    its_own = sum(share for name, share in weights.items() if name.startswith("its own past"))
     said = {name: its_own * share for name, share in alone.weights.items()}
     said["others' lives"] = weights["others' lives"]
     said["along others' courses"] = weights.get("along", 0.0)
@@ -176,42 +176,20 @@ def forecast_among(
     return replace(alone, passage=passage, weights=said, surprise=max(alone.surprise, 1 - its_own))
 
 
-class _Own:
-    """The forecast of the unit's own models, as draws of the remaining time."""
+class _Asked(NamedTuple):
+    """An other that ended, where it was as the unit is."""
 
-    def __init__(self, passage: Array, priors: Mapping[_Way, float] | None = None) -> None:
-        ends = np.sort(passage[np.isfinite(passage)])
-        self.share = len(ends) / len(passage)
-        if priors and len(ends) > 20:
-            at = np.maximum(ends, 1e-9)
-            weights = sum((share * np.exp(one.log_density(at)) for one, share in priors.items()), np.zeros(len(at)))
-            if weights.sum() > 0:
-                shares = np.cumsum(weights) / weights.sum()
-                level = (np.arange(len(passage)) + 0.5) / len(passage)
-                ends = ends[np.minimum(np.searchsorted(shares, level), len(ends) - 1)]
-                self.share = 1.0
-        self.ends = ends
-
-    def quantile(self, share: Array) -> Array:
-        """Return quantiles; infinite for the share of draws that never reach the threshold."""
-        if not len(self.ends):
-            return np.full(share.shape, np.inf)
-        at = np.minimum((share / self.share * len(self.ends)).astype(int), len(self.ends) - 1)
-        result: Array = np.where(share < self.share, self.ends[at], np.inf)
-        return result
-
-    def log_density(self, remaining: npt.ArrayLike) -> Array:
-        """Return the log density of ln(remaining): a Student's t of five degrees through quantiles of the draws."""
-        logs = np.log(self.ends[self.ends > 0])
-        if len(logs) < 20:
-            return np.full(np.shape(remaining), WORST)
-        low, middle, high = np.quantile(logs, [0.05, 0.5, 0.95])
-        fitted = LogStudent(float(middle), max(float(high - low) / 4.03, 0.02), 5.0)
-        result: Array = fitted.log_density(remaining) + np.log(max(self.share, 1e-3))
-        return result
+    one: Trajectory
+    then: Trajectory
+    left: float
+    """How long it went on from there."""
+    own: OwnForecast | None
+    """The forecast of its own models; None where it was not asked for it, or they had too few readings."""
+    off: float | None
+    """How far off that was [its deviations]; None where it said nothing."""
 
 
-_Way = _Own | LogStudent
+_Way = OwnForecast | LogStudent
 
 
 def alike(
@@ -306,8 +284,13 @@ def _width(levels: Sequence[Array]) -> int:
     return max(1, min(int(np.ceil(wanted)), int(np.median([len(one) for one in levels])) // 10))
 
 
-def _ways(now: Trajectory, others: Sequence[Trajectory], own: _Own | None, draws: int) -> dict[str, _Way]:
-    """Every forecast of the remaining time, by name of the way in which it is made; without draws those without any."""
+def _ways(
+    now: Trajectory, others: Sequence[Trajectory], own: OwnForecast | None, off: Sequence[float], draws: int
+) -> dict[str, _Way]:
+    """Every forecast of the remaining time, by name of the way in which it is made; without draws those without any.
+
+    ``off``: how far off other units' own models were.
+    """
     passed = float(now.times[-1] - now.times[0])
     ended = np.array([one.ended for one in others], dtype=bool)
     lives = np.array([one.duration for one in others])
@@ -321,14 +304,15 @@ def _ways(now: Trajectory, others: Sequence[Trajectory], own: _Own | None, draws
         if from_here := _from_here(now, others, level, parts, passed):
             ways[name] = from_here
     if draws and (courses := _nearest(now, others)):
-        ways["along"] = _Own(along(courses, now.times - now.times[0], now.wear, draws))
+        ways["along"] = OwnForecast(along(courses, now.times - now.times[0], now.wear, draws))
     if since := _since_damage_showed(now, others, passed):
         ways["since"] = since
     if own:
         shares = _beforehand(ways)
         priors = {way: shares[name] for name, way in ways.items()}
-        endless = round(len(own.ends) * (1 / own.share - 1)) if own.share else 1
-        ways["its own past"] = _Own(np.append(own.ends, np.full(endless, np.inf)), priors)
+        ways["its own past"] = own.given(priors)
+        if off:
+            ways["its own past, as it held of others"] = own.as_others_fared(off).given(priors)
     return ways
 
 
@@ -360,8 +344,8 @@ def _nearest(now: Trajectory, others: Sequence[Trajectory]) -> list[DegradationC
 
 
 def _beforehand(ways: Iterable[str]) -> dict[str, float]:
-    """Weights a priori, by name; those from here share theirs."""
-    names = [name.partition(" ")[0] if name.startswith("from") else name for name in ways]
+    """Weights a priori, by name; those from here share theirs, as do those by its own past."""
+    names = [name.partition(" ")[0] if name.startswith("from") else name.partition(",")[0] for name in ways]
     return {way: BEFOREHAND[name] / names.count(name) for way, name in zip(ways, names, strict=True)}
 
 
@@ -392,14 +376,10 @@ def _took(one: Trajectory, came: float, starts: Sequence[float]) -> Array:
     return np.log(np.maximum(came - np.array(since), 1e-9 * max(one.duration, 1e-300)))
 
 
-def _weights(now: Trajectory, others: Sequence[Trajectory], ways: dict[str, _Way]) -> dict[str, float]:
-    """By how well each way foretells the others that ended, from where they were as the unit is; they sum to 1."""
-    if len(ways) == 1:
-        return dict.fromkeys(ways, 1.0)
-    prior = _beforehand(ways)
-    scores: dict[str, list[float]] = {name: [] for name in ways}
-    asked = 0
-    for one in [other for other in others if other.ended] if len(others) > 1 else ():
+def _asked(now: Trajectory, others: Sequence[Trajectory]) -> list[_Asked]:
+    """Others that ended, from where they were as the unit is; the first of them with what their own models said."""
+    found: list[_Asked] = []
+    for one in [other for other in others if other.ended]:
         came = one.reached(float(now.level[-1]))
         if came is not None and now.onset is not None:  # it came so far while it was sound
             came = max(came, one.onset or 0.0)
@@ -407,15 +387,28 @@ def _weights(now: Trajectory, others: Sequence[Trajectory], ways: dict[str, _Way
             continue
         then = one.until(came)
         left = one.duration - float(then.times[-1] - then.times[0])
-        if left <= 0:
-            continue
-        slow = asked < ASKED
-        asked += slow
+        if left > 0:
+            own = _own_of(then) if len(found) < ASKED else None
+            found.append(_Asked(one, then, left, own, own.off_by(left) if own else None))
+    return found
+
+
+def _fared_with(asked: Iterable[_Asked]) -> list[float]:
+    return [other.off for other in asked if other.off is not None]
+
+
+def _weights(others: Sequence[Trajectory], ways: dict[str, _Way], asked: Sequence[_Asked]) -> dict[str, float]:
+    """By how well each way foretells the others that ended, from where they were as the unit is; they sum to 1."""
+    if len(ways) == 1:
+        return dict.fromkeys(ways, 1.0)
+    scores: dict[str, list[float]] = {name: [] for name in ways}
+    for k, (one, then, left, own, _) in enumerate(asked if len(others) > 1 else ()):
         rest = [other for other in others if other is not one]
-        for name, way in _ways(then, rest, _own_of(then) if slow else None, 500 if slow else 0).items():
+        off = _fared_with(other for other in asked if other.one is not one)
+        for name, way in _ways(then, rest, own, off, 500 if k < ASKED else 0).items():
             if name in scores:
                 scores[name].append(max(float(way.log_density(left)), WORST))
-    return stacked(prior, scores)
+    return stacked(_beforehand(ways), scores)
 
 
 def stacked(prior: Mapping[str, float], scores: Mapping[str, Sequence[float]]) -> dict[str, float]:
@@ -440,9 +433,9 @@ def stacked(prior: Mapping[str, float], scores: Mapping[str, Sequence[float]]) -
     return dict(zip(names, weights.tolist(), strict=True))
 
 
-def _own_of(then: Trajectory) -> _Own | None:
+def _own_of(then: Trajectory) -> OwnForecast | None:
     """The forecast that another unit's own models had given; None where they had too few readings."""
     try:
-        return _Own(forecast(then.times, then.wear, 1.0, draws=1000, judged=False).passage)
+        return OwnForecast(forecast(then.times, then.wear, 1.0, draws=1000, judged=False).passage)
     except DataError:
         return None
