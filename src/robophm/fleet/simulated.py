@@ -73,8 +73,8 @@ def simulated_robots(
         events: dict[str, list[TrueEvent]] = defaultdict(list)
         with (folder / "failures.csv").open(encoding="utf-8", newline="") as stream:
             for row in csv.DictReader(stream):
-                path = "/".join(filter(None, (row["part"], row["mode"])))
-                mode = path if row["event"] in ("failed", "replaced") else ""
+                by_mode = row["event"] in ("failed", "replaced")
+                mode = "/".join(filter(None, (row["part"], row["mode"]))) if by_mode else ""
                 events[row["robot"]].append(TrueEvent(_nanoseconds(row["time"]), row["part"], row["event"], mode))
         for path in sorted((folder / "recordings").iterdir()):
             yield _observed(robot, path, events[path.stem], round(every * SECOND), end)
