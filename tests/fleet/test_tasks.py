@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+import sqlite3
 import time
+from contextlib import closing
 from itertools import permutations
 
 import numpy as np
@@ -63,23 +65,28 @@ def store(tmp_path, robot):
 
 
 def send(store, name, ledger, digest):
+    said(store, name, json.dumps(ledger.to_json()), digest)
+
+
+def said(store, name, text, digest):
+    """Whatever text a robot sends in place of its ledger."""
     store.add_token(name)
     report = {"robot": "courier", "design_hash": digest, "time": 10**18}
-    state = PresentState(1, json.dumps(ledger.to_json()), report, ())
+    state = PresentState(1, text, report, ())
     store.commit([Payload(name, "a" * 16, time.time_ns(), 0, (), state)])
 
 
 def test_probabilities_are_those_of_each_robots_own_past(store, robot):
-    found = candidates(store, robot)
+    found = candidates(store, robot, TASKS)
     assert [one.robot for one in found.robots] == ["middle", "new", "old"]
-    assert found.left_out == {"other": "is of another design, courier", "silent": "has sent no ledger yet"}
-    logs = log_completions(found.robots, TASKS)
+    assert found.left_out == {"other": "is of another version of courier", "silent": "has sent no ledger yet"}
+    logs = log_completions(found.robots, len(TASKS))
     for one, row in zip(found.robots, logs, strict=True):
         assert np.exp(row) == pytest.approx([chance(AGES[one.robot], task) for task in TASKS], rel=1e-9)
 
 
 def test_the_best_of_all_ways_is_taken_and_why(store, robot):
-    found = assign_tasks(candidates(store, robot).robots, TASKS)
+    found = assign_tasks(candidates(store, robot, TASKS).robots, TASKS)
     ways = {order: math.prod(chance(AGES[name], task) for name, task in zip(order, TASKS, strict=True))
             for order in permutations(AGES)}  # fmt: skip
     best = max(ways, key=ways.__getitem__)
@@ -94,17 +101,43 @@ def test_the_best_of_all_ways_is_taken_and_why(store, robot):
 
 
 def test_nobody_goes_below_the_least_that_is_accepted(store, robot):
-    found = assign_tasks(candidates(store, robot).robots, TASKS, least=0.96)
+    found = assign_tasks(candidates(store, robot, TASKS).robots, TASKS, least=0.96)
     assert [(one.task, one.robot) for one in found.assigned] == [(0, "new"), (1, "middle")]
     assert found.unassigned == [2]
 
 
 def test_robots_that_are_free_are_named(store, robot):
-    found = assign_tasks(candidates(store, robot, {"old"}).robots, TASKS)
+    found = assign_tasks(candidates(store, robot, TASKS, {"old"}).robots, TASKS)
     assert [one.robot for one in found.assigned] == ["old"]
     assert len(found.unassigned) == 2
     with pytest.raises(RobophmError, match="no robot 'midle'; did you mean 'middle'"):
-        candidates(store, robot, {"midle"})
+        candidates(store, robot, TASKS, {"midle"})
+
+
+def test_whoever_sends_no_ledger_is_named_and_stops_nobody(store, robot, tmp_path):
+    true = Ledger.new(robot).to_json()
+    sums = {"age": [[math.nan] * 2, [0.0] * 2]}
+    for name, text in {
+        "empty": "{}",
+        "numbers": json.dumps({**true, "modes": 7}),
+        "texts": json.dumps({**true, "seen": {key: ["x"] * 4 for key in true["modes"]}}),
+        "negative": json.dumps({**true, "totals": {**true["totals"], "effective": [[-1e9] * 2, [0.0] * 2]}}),
+        "nan": json.dumps({**true, "totals": {**true["totals"], **sums}}),
+        "never": json.dumps({**true, "started": 10**30, "integrated_to": 10**30, "newest": 10**30}),
+    }.items():
+        said(store, name, text, robot.design_hash)
+    found = candidates(store, robot, TASKS)
+    assert [one.robot for one in found.robots] == ["middle", "new", "old"]
+    assert {name: why.partition(":")[0] for name, why in found.left_out.items() if name not in ("other", "silent")} == {
+        "empty": "ledger version None; expected 2", "numbers": "has sent a ledger that cannot be read",
+        "texts": "has sent a ledger that cannot be read", "negative": "has sent a ledger that tells no probability",
+        "nan": "has sent a ledger that tells no probability", "never": "has sent a ledger that cannot be read",
+    }  # fmt: skip
+    with closing(sqlite3.connect(tmp_path / "fleet.db")) as base, base:
+        base.execute("UPDATE present SET ledger = ? WHERE robot = ?", (b"x", store.number_of("old")))
+    found = candidates(store, robot, TASKS)
+    assert [one.robot for one in found.robots] == ["middle", "new"]
+    assert "is damaged" in found.left_out["old"]
 
 
 def test_the_command(store, tmp_path):

@@ -14,8 +14,8 @@ RATE = 0.05
 
 def events(lives, what, part=ROBOT):
     """Robots and times [s] of one kind of event of one part, by robot and time."""
-    robots = np.concatenate([r[p == part] for r, p, _, w in lives.events if w == what])
-    times = np.concatenate([t[p == part] for _, p, t, w in lives.events if w == what])
+    robots = np.concatenate([r[p == part] for r, p, _, _, w in lives.events if w == what])
+    times = np.concatenate([t[p == part] for _, p, _, t, w in lives.events if w == what])
     order = np.lexsort((times, robots))
     return robots[order], times[order]
 
@@ -241,8 +241,8 @@ def test_repair_makes_failed_parts_new_and_looks_at_the_others(design, same_plan
     )
     plans = same_plan(robot, 500, HOUR, [[(HOUR, 0.0, None)]])
     lives = live(robot, plans, 100, np.random.default_rng(10))
-    robots, repaired = (np.concatenate([r for r, p, t, w in lives.events if w in (REPLACED, INSPECTED)]),
-                        np.concatenate([t for r, p, t, w in lives.events if w in (REPLACED, INSPECTED)]))  # fmt: skip
+    robots, repaired = (np.concatenate([r for r, *_, w in lives.events if w in (REPLACED, INSPECTED)]),
+                        np.concatenate([t for *_, t, w in lives.events if w in (REPLACED, INSPECTED)]))  # fmt: skip
     repairs = {(r, t) for r, t in zip(robots.tolist(), repaired.tolist(), strict=True)}
     assert len(robots) == 3 * len(repairs)  # every part has its word at every repair
     within = lives.end[0]
@@ -277,7 +277,7 @@ def test_what_fails_while_it_is_off_is_repaired_before_the_task(design, same_pla
     after = failures[failures > 200 * HOUR]
     assert len(after) == 2000
     assert fits(after / HOUR - 200, stats.expon(scale=50))
-    assert sum(len(r) for r, _, _, w in lives.events if w == END) == 2000
+    assert sum(len(r) for r, *_, w in lives.events if w == END) == 2000
 
 
 def test_a_task_fails_when_a_later_leg_needs_what_has_failed(design, same_plan):
@@ -367,3 +367,27 @@ def test_accelerations(design, acceleration, signal, reading, factor):
     )
     (stress,) = robot.modes[0].stresses
     assert stress.factor(np.array([reading]))[0] == pytest.approx(factor, rel=1e-5)
+
+
+def test_each_failure_tells_its_mode(design, same_plan):
+    """Modes of a part compete: each fails it in the share of its rate, exposed as long as its clock runs."""
+    robot = design(
+        "components:\n  other: {rate: 1e-3 /h}\n  part:\n    failure_modes:\n      chip: {rate: 0.06 /h}\n"
+        "      corrosion: {rate: 0.01 /h, clock: calendar}"
+    )
+    assert [mode.name for mode in robot.modes] == ["", "chip", "corrosion"]
+    plans = same_plan(robot, 400, 2 * HOUR, [[(HOUR, 0.0, None)]])
+    lives = live(robot, plans, 60, np.random.default_rng(12))
+    every = sorted((t, w, r, p, m) for *columns, w in lives.events for r, p, m, t in zip(*columns, strict=True))
+    times, modes = (np.array(one) for one in zip(*((t, m) for t, w, _, p, m in every if (w, p) == (FAILED, 1)),
+                                                 strict=True))  # fmt: skip
+    on = times % (2 * HOUR) < HOUR
+    assert set(modes[~on]) == {2}  # a chip cannot fail while the robot is off
+    assert stats.binomtest(int((modes[on] == 1).sum()), int(on.sum()), 0.06 / 0.07).pvalue > 0.001
+    assert min((~on).sum(), (modes[on] == 2).sum()) > 100
+    failed_by = {}
+    for _, what, number, part, mode in every:
+        if what == FAILED and part != ROBOT:
+            failed_by[number, part] = mode
+        else:
+            assert mode == (failed_by.pop((number, part)) if what == REPLACED else -1)

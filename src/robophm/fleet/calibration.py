@@ -14,7 +14,7 @@ from robophm.core.errors import DataError
 from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
 from robophm.fleet.cohorts import KINDS
-from robophm.fleet.experience import NO_LEDGER, Experience, ObservedRobot, kept_ledgers
+from robophm.fleet.experience import NO_LEDGER, NOT_WORKED, Experience, ObservedRobot, kept_ledgers, unreadable
 from robophm.fleet.questions import history, newest_time
 from robophm.fleet.store import FleetStore
 from robophm.health.plant import Plant
@@ -66,6 +66,8 @@ def calibrate(store: FleetStore, designs: Sequence[Robot], kind: str) -> FleetCa
     for one in kept_ledgers(store, designs):
         if one.ledger is None:
             not_told[one.robot] = one.why
+        elif one.ledger.started is None:
+            not_told[one.robot] = NOT_WORKED
         elif one.design in silent:
             not_told[one.robot] = "has parts of unknown rate in its figures"
         else:
@@ -73,9 +75,9 @@ def calibrate(store: FleetStore, designs: Sequence[Robot], kind: str) -> FleetCa
             series = history(store, one.robot, last - MONTH, last, MOST_POINTS).series
             try:
                 span = Noted(plants[one.design], one.ledger).span(series, last)
-                year = str(datetime.fromtimestamp((one.ledger.started or 0) // SECOND, UTC).year)
+                year = str(datetime.fromtimestamp(one.ledger.started // SECOND, UTC).year)
             except NO_LEDGER as error:
-                not_told[one.robot] = f"has sent a ledger that cannot be read: {type(error).__name__}"
+                not_told[one.robot] = unreadable(error)
                 continue
             if span is None:
                 not_told[one.robot] = "has no figures that tell: fewer than two reports, or a past that was revised"

@@ -6,7 +6,7 @@ import json
 import math
 import zlib
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from datetime import UTC, datetime
 from typing import Any, NamedTuple
 
@@ -28,6 +28,10 @@ MOST_NAMED = 3
 
 NO_LEDGER = (ArithmeticError, AttributeError, LookupError, OSError, TypeError, ValueError, zlib.error)
 """Errors by which it shows that what was sent in place of a ledger is none."""
+
+
+NOT_WORKED = "has not worked yet"
+"""Why nothing is counted of a robot whose ledger is as new."""
 
 
 class ObservedRobot(NamedTuple):
@@ -67,24 +71,31 @@ class KeptLedger(NamedTuple):
 
     robot: str
     site: str | None
-    version: str | None
-    """First eight digits of the hash of its design."""
+    design_hash: str | None
     design: str
     """Name of its design; empty where it is not known."""
     ledger: Ledger | None
     why: str
     """Why it is left out; empty where it is not."""
 
+    @property
+    def version(self) -> str | None:
+        """Return the first eight digits of the hash of its design, by which versions of it are told apart."""
+        return self.design_hash[:8] if self.design_hash else None
 
-def kept_ledgers(store: FleetStore, designs: Sequence[Robot]) -> Iterator[KeptLedger]:
+
+def kept_ledgers(store: FleetStore, designs: Sequence[Robot], names: Collection[str] = ()) -> Iterator[KeptLedger]:
     """Yield all robots of a fleet by name, with the ledgers of those of some designs. Raises StoreError, DataError.
 
-    A ledger that was kept under another version of a design counts where each of its parts is told by its identity.
+    ``names``: of these robots alone, where there are any. A ledger that was kept under another version of a design
+    counts where each of its parts is told by its identity.
     """
     by_name = {one.name: one for one in designs}
     if len(by_name) < len(designs):
         raise DataError("two designs have the same name, by which robots report of them; expected each once")
     for name, site, design, digest, *kept in _kept(store):
+        if names and name not in names:
+            continue
         ledger, why = None, ""
         if design is None:
             why = "has sent no ledger yet"
@@ -95,7 +106,12 @@ def kept_ledgers(store: FleetStore, designs: Sequence[Robot]) -> Iterator[KeptLe
                 ledger = _ledger(store, name, by_name[design], kept)
             except StoreError as error:
                 why = str(error)
-        yield KeptLedger(name, site, digest[:8] if digest else None, design or "", ledger, why)
+        yield KeptLedger(name, site, digest, design or "", ledger, why)
+
+
+def unreadable(error: Exception) -> str:
+    """Return why a robot is left out whose ledger is none, by the error in which it ended."""
+    return f"has sent a ledger that cannot be read: {type(error).__name__}"
 
 
 def experience(store: FleetStore, designs: Sequence[Robot]) -> FleetExperience:
@@ -138,21 +154,20 @@ def _ledger(store: FleetStore, name: str, design: Robot, kept: Sequence[Any]) ->
     if present_sum(text, report) != told:
         raise StoreError(f"{store.place}: the ledger of {name} is damaged: its checksum is another")
     try:
-        ledger = Ledger.of(design, json.loads(zlib.decompress(text)))
+        return Ledger.of(design, json.loads(zlib.decompress(text)))
     except NO_LEDGER as error:  # a robot may send whatever it likes in its place
-        raise StoreError(f"has sent a ledger that cannot be read: {type(error).__name__}") from None
-    if ledger.started is None:
-        raise StoreError("has not worked yet")
-    return ledger
+        raise StoreError(unreadable(error)) from None
 
 
 def _lived(design: Robot, ledger: Ledger, name: str) -> tuple[str, tuple[Seen, ...]]:
     """The year in which a robot's record begins, and its experience; StoreError where a ledger does not tell them."""
+    if ledger.started is None:
+        raise StoreError(NOT_WORKED)
     try:
-        year = str(datetime.fromtimestamp((ledger.started or 0) // SECOND, UTC).year)
+        year = str(datetime.fromtimestamp(ledger.started // SECOND, UTC).year)
         seen = tuple(rate_history(design, ledger, name))
     except NO_LEDGER as error:
-        raise StoreError(f"has sent a ledger that cannot be read: {type(error).__name__}") from None
+        raise StoreError(unreadable(error)) from None
     if any(not 0 <= value < math.inf for one in seen for value in (one.failures, one.expected, one.exposure)):
         raise StoreError("has sent a ledger with exposure that cannot be")
     return year, seen

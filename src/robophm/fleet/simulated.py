@@ -45,6 +45,8 @@ class TrueEvent(NamedTuple):
     """Path of the part; empty: the robot as a whole."""
     what: str
     """Either "failed", "replaced", "inspected", or "end" of the record; a failure after it is the robot's next."""
+    mode: str
+    """Path of the failure mode by which the part had failed; empty where it had not, and for the robot as a whole."""
 
 
 class SimulatedRobot(NamedTuple):
@@ -71,7 +73,9 @@ def simulated_robots(
         events: dict[str, list[TrueEvent]] = defaultdict(list)
         with (folder / "failures.csv").open(encoding="utf-8", newline="") as stream:
             for row in csv.DictReader(stream):
-                events[row["robot"]].append(TrueEvent(_nanoseconds(row["time"]), row["part"], row["event"]))
+                by_mode = row["event"] in ("failed", "replaced")
+                mode = "/".join(filter(None, (row["part"], row["mode"]))) if by_mode else ""
+                events[row["robot"]].append(TrueEvent(_nanoseconds(row["time"]), row["part"], row["event"], mode))
         for path in sorted((folder / "recordings").iterdir()):
             yield _observed(robot, path, events[path.stem], round(every * SECOND), end)
 
@@ -93,7 +97,7 @@ def _observed(robot: Robot, recording: Path, events: Sequence[TrueEvent], every:
             at = sample.time + end - over
             while told and told[0].time <= at:
                 event = told.pop(0)
-                take_note(robot, monitor.ledger, ServiceNote(event.part, failed=True, waits=event.what == "failed"))
+                take_note(robot, monitor.ledger, ServiceNote(event.mode, failed=True, waits=event.what == "failed"))
             monitor.observe(sample._replace(time=at))
     return SimulatedRobot(recording.stem, history.reports, monitor.ledger.to_json(), events)
 

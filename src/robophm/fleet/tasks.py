@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Collection, Sequence
+from datetime import UTC, datetime
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from robophm.core.errors import StoreError
+from robophm.core.errors import RobophmError, StoreError
+from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
 from robophm.design.task import Task
 from robophm.fleet.assignment import Assignment, assign
-from robophm.fleet.questions import present, status
+from robophm.fleet.experience import NO_LEDGER, kept_ledgers, unreadable
 from robophm.fleet.store import FleetStore
 from robophm.health.ledger import Ledger
 from robophm.health.mission import completion, deciding_components
@@ -29,6 +30,8 @@ class Candidate(NamedTuple):
     time: int | None
     """Time to which its past is known, by its clock [ns since the epoch]."""
     outlook: Outlook
+    failures: tuple[float, ...]
+    """Probability that it fails in each task."""
 
 
 class Assigned(NamedTuple):
@@ -70,34 +73,46 @@ class Candidates(NamedTuple):
     """Robots of the fleet that are not among them, and why."""
 
 
-def candidates(store: FleetStore, design: Robot, names: Collection[str] = ()) -> Candidates:
-    """Return the robots of a design by their newest ledgers, or of them those of some names. Raises RobophmError."""
+def candidates(store: FleetStore, design: Robot, tasks: Sequence[Task], names: Collection[str] = ()) -> Candidates:
+    """Return the robots of a design by their newest ledgers, or of them those of some names, and how they do tasks.
+
+    Raises RobophmError.
+    """
     for name in names:
         store.number_of(name)  # which must be there
     found, left_out = [], {}
-    for one in status(store):
-        if names and one.robot not in names:
-            continue
-        kept = present(store, one.robot)
-        if kept is None:
-            left_out[one.robot] = "has sent no ledger yet"
-        elif one.design_hash != design.design_hash:
-            left_out[one.robot] = f"is of another design, {one.design or 'unknown'}"
-        else:
+    for one in kept_ledgers(store, [design], names):
+        why = one.why
+        if one.ledger:
             try:
-                ledger = Ledger.of(design, json.loads(kept[0]))
+                if one.design_hash != design.design_hash:
+                    raise StoreError(f"is of another version of {one.design}")
+                found.append(_candidate(one.robot, design, one.ledger, tasks))
             except StoreError as error:
-                left_out[one.robot] = str(error)
-                continue
-            report = Monitor(design, ledger).report(remaining_life=False)
-            found.append(Candidate(one.robot, report.time, report.outlooks["sensor_based"]))
+                why = str(error)
+            except RobophmError as error:
+                why = f"has sent a ledger that tells no probability: {error}"
+            except NO_LEDGER as error:
+                why = unreadable(error)
+        if why:
+            left_out[one.robot] = why
     return Candidates(found, left_out)
 
 
-def log_completions(robots: Sequence[Candidate], tasks: Sequence[Task]) -> npt.NDArray[np.float64]:
+def _candidate(name: str, design: Robot, ledger: Ledger, tasks: Sequence[Task]) -> Candidate:
+    report = Monitor(design, ledger).report(remaining_life=False)
+    outlook = report.outlooks["sensor_based"]
+    failures = tuple(completion(outlook, task).failure for task in tasks)
+    if not all(0 <= one <= 1 for one in failures):
+        raise StoreError("has sent a ledger by which its probabilities cannot be")
+    if report.time is not None:
+        datetime.fromtimestamp(report.time // SECOND, UTC)  # which can be told
+    return Candidate(name, report.time, outlook, failures)
+
+
+def log_completions(robots: Sequence[Candidate], tasks: int) -> npt.NDArray[np.float64]:
     """Return the logarithm of each probability of completion, exact however near to 1; shape (robots, tasks)."""
-    failures = [[completion(one.outlook, task).failure for task in tasks] for one in robots]
-    table = np.array(failures, dtype=float).reshape(len(robots), len(tasks))
+    table = np.array([one.failures for one in robots], dtype=float).reshape(len(robots), tasks)
     with np.errstate(divide="ignore"):
         return np.asarray(np.log1p(-table))
 
@@ -107,7 +122,7 @@ def assign_tasks(robots: Sequence[Candidate], tasks: Sequence[Task], least: floa
 
     ``least``: no robot takes a task that it completes with less than this probability.
     """
-    logs = log_completions(robots, tasks)
+    logs = log_completions(robots, len(tasks))
     allowed = np.where(np.exp(logs) >= least, logs, -math.inf)
     found: Assignment = assign(allowed)
     assigned = []

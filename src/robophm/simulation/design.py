@@ -76,6 +76,8 @@ class Mode:
     """A failure mode of a part."""
 
     part: int
+    name: str
+    """Name of it below its part; empty where the part states a single one without a name."""
     rate: float
     """Hazard rate at reference stress [1/clock]."""
     life: Life

@@ -211,11 +211,12 @@ class _Reader:
         if first + count > MOST_PARTS:
             raise LocatedError(place, f"the robot has more than {MOST_PARTS:,} parts")
         self.parts += [name] if count == 1 else [f"{name}[{i}]" for i in range(1, count + 1)]
-        modes = [self._mode(at, one, offsets, scope, _origin(key[len(path) :], key, one)) for key, at, one in places]
+        modes = [self._mode(key[len(path) :], path, at, one, offsets, scope) for key, at, one in places]
         self.modes += [replace(mode, part=first + i) for i in range(count) for mode in modes]
         self.components[name] = Group(required, tuple(range(first, first + count)))
 
-    def _mode(self, place: Place, mode: dict[str, Any], offsets: Any, scope: _Scope, origin: str) -> Mode:
+    def _mode(self, name: Place, path: Place, place: Place, mode: dict[str, Any], offsets: Any, scope: _Scope) -> Mode:
+        origin = _origin(name, (*path, *name), mode)
         clock = mode.get("clock", "operating")
         if clock not in CLOCKS:
             raise LocatedError((*place, "clock"), f"no clock '{clock}'{nearest(str(clock), CLOCKS)}")
@@ -229,12 +230,14 @@ class _Reader:
             raise LocatedError((*place, "rate"), "is unknown; what has no rate is not simulated")
         unit = CLOCKS[clock]
         life = known_keys((*place, "life"), mode.get("life") or {}, "life")
-        name = life.get("distribution", "exponential")
-        if name not in LIVES:
-            raise LocatedError((*place, "life"), f"distribution '{name}' is not simulated{nearest(str(name), LIVES)}")
-        make, parameter = LIVES[name]
+        distribution = life.get("distribution", "exponential")
+        if distribution not in LIVES:
+            raise LocatedError(
+                (*place, "life"), f"distribution '{distribution}' is not simulated{nearest(str(distribution), LIVES)}"
+            )
+        make, parameter = LIVES[distribution]
         if odd := life.keys() - {"distribution", parameter}:
-            raise LocatedError((*place, "life", min(odd)), f"is no parameter of {name}")
+            raise LocatedError((*place, "life", min(odd)), f"is no parameter of {distribution}")
         values = []
         if parameter:
             inside = unit if parameter == "deviation" else ""
@@ -254,10 +257,11 @@ class _Reader:
         initial = mode.get("initial_exposure")
         return Mode(
             0,
+            "/".join(name),
             rate,
             make(*values),
             clock,
-            scaling == "hazard" and name != "exponential",  # of the exponential the two are the same
+            scaling == "hazard" and distribution != "exponential",  # of the exponential the two are the same
             0.0 if initial is None else read_quantity((*place, "initial_exposure"), initial, unit, least=0.0),
             scope.duty,
             stresses,

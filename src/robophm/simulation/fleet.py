@@ -18,7 +18,7 @@ from robophm.core.signal import SECOND
 from robophm.simulation.design import Design
 from robophm.simulation.design_file import Library, read_design
 from robophm.simulation.plan import MOST_LEGS, MOST_TASKS, Plans, draw_plans, legs_of, plan_text
-from robophm.simulation.robots import END, FAILED, INSPECTED, REPLACED, ROBOT, Lives, live
+from robophm.simulation.robots import END, FAILED, INSPECTED, NO_MODE, REPLACED, ROBOT, Lives, live
 
 BEGIN = 1_767_225_600
 """Time when every robot begins: 2026-01-01 00:00 UTC, in seconds since the epoch."""
@@ -110,7 +110,7 @@ def _write(
         task_rows, failure_rows = (csv.writer(file, lineterminator="\n") for file in (task_file, failure_file))
         legs = ["distance", "speed", "duration", "functions", *keys]
         task_rows.writerow(["robot", "task", "start", "end", "outcome", *legs])
-        failure_rows.writerow(["robot", "part", "time", "event"])
+        failure_rows.writerow(["robot", "part", "time", "event", "mode"])
         for number, first in enumerate(range(0, robots, batch)):
             rng = np.random.default_rng([seed, number])
             names = [f"{i + 1:0{digits}}" for i in range(first, min(first + batch, robots))]
@@ -127,7 +127,7 @@ def _write(
             done += int(np.sum(lives.done))
             failed += int(np.sum(lives.failed))
             refused += lives.refused
-            parts_failed += sum(int((parts >= 0).sum()) for _, parts, _, what in lives.events if what == FAILED)
+            parts_failed += sum(int((one.modes != NO_MODE).sum()) for one in lives.events if one.what == FAILED)
     return done, failed, refused, parts_failed
 
 
@@ -207,11 +207,12 @@ def _tasks(
 
 def _failures(design: Design, lives: Lives, names: list[str]) -> list[list[str]]:
     """Every event of these robots, robot by robot in order of time."""
-    robots = np.concatenate([robots for robots, _, _, _ in lives.events])
-    parts = np.concatenate([parts for _, parts, _, _ in lives.events])
-    times = _nanoseconds(np.concatenate([times for _, _, times, _ in lives.events]))
-    kinds = np.concatenate([np.full(len(robots), what) for robots, _, _, what in lives.events])
+    robots, parts, modes, seconds = (np.concatenate(one) for one in list(zip(*lives.events, strict=True))[:4])
+    times = _nanoseconds(seconds)
+    kinds = np.concatenate([np.full(len(one.robots), one.what) for one in lives.events])
     order = np.lexsort((np.where(parts == ROBOT, len(design.parts), parts), kinds, times, robots))
     labels = (*design.parts, "")  # the robot as a whole, −1, is the last
-    rows = zip(*(column[order].tolist() for column in (robots, parts, times, kinds)), strict=True)
-    return [[names[robot], labels[part], _time(time), _EVENTS[kind]] for robot, part, time, kind in rows]
+    named = (*(mode.name for mode in design.modes), "")  # NO_MODE, −1, is the last
+    rows = zip(*(column[order].tolist() for column in (robots, parts, times, kinds, modes)), strict=True)
+    return [[names[robot], labels[part], _time(time), _EVENTS[kind], named[mode]]
+            for robot, part, time, kind, mode in rows]  # fmt: skip

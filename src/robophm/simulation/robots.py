@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -32,6 +33,20 @@ FAILED, REPLACED, INSPECTED, END = range(4)
 
 ROBOT = -1
 """Instead of a part's number: the robot as a whole."""
+
+NO_MODE = -1
+"""Instead of the number of a failure mode: what did not fail."""
+
+
+class Events(NamedTuple):
+    """Things of one kind that happened to robots and their parts; arrays of one length."""
+
+    robots: Index
+    parts: Index
+    modes: Index
+    """Failure mode by which each part failed; NO_MODE where it did not, and for a robot as a whole."""
+    times: Array
+    what: int
 
 
 @dataclass(frozen=True)
@@ -63,8 +78,7 @@ class Lives:
     """Starts before which a robot had to be repaired."""
     end: Array = field(default_factory=lambda: np.empty(0))
     """Time when the record of each robot ends."""
-    events: list[tuple[Index, Index, Array, int]] = field(default_factory=list)
-    """Robots, parts, times, and what happened."""
+    events: list[Events] = field(default_factory=list)
 
 
 def live(design: Design, plans: Plans, tasks: int, rng: np.random.Generator, *, uncertain_rates: bool = False,
@@ -105,6 +119,8 @@ class _Robots:
         """Cumulative hazard so far of the modes whose hazard is scaled."""
         self.fails = np.full((self.count, len(design.parts)), np.inf)
         """Time when each part failed; infinite while it works."""
+        self.failed_by: Index = np.zeros(self.fails.shape, dtype=np.int64)
+        """Failure mode by which each part failed, where it has."""
         self.system_down = np.zeros(self.count, dtype=bool)
         self.now = np.zeros(self.count)
         self.result = Lives()
@@ -171,8 +187,11 @@ class _Robots:
             factors[:, modes] = factor[:, None]
         return factors
 
-    def _when(self, clocks: Array, factors: Array) -> Array:
-        """The share of the stretch at which each part fails, shape (robots, parts); infinite: later."""
+    def _when(self, clocks: Array, factors: Array) -> tuple[Array, Index]:
+        """The share of the stretch at which each part fails, shape (robots, parts), and by which of its modes.
+
+        Infinite: later, and the mode says nothing.
+        """
         with np.errstate(divide="ignore", invalid="ignore"):
             share = (self.limit - self.age) / (clocks * factors)
             for m in self.hazard_scaled:
@@ -182,15 +201,20 @@ class _Robots:
                 share[:, m] = (reached - self.age[:, m]) / clocks[:, m]
             share = np.where((clocks > 0) & (share <= 1), np.maximum(share, 0.0), np.inf)
         first: Array = np.minimum.reduceat(share, self.first, axis=1)
-        return first
+        modes = np.where(share == first[:, self.part], np.arange(len(self.part)), len(self.part))
+        return first, np.minimum.reduceat(modes, self.first, axis=1)
 
-    def _pass(self, begin: Array, length: Array, clocks: Array, factors: Array, share: Array, when: Array) -> None:
+    def _pass(
+        self, begin: Array, length: Array, clocks: Array, factors: Array, share: Array, failing_at: tuple[Array, Index]
+    ) -> None:
         """Let a share of the stretch happen, shape (robots,): parts age and fail, and so may robots."""
+        when, by = failing_at
         failing = np.isinf(self.fails) & (when <= share[:, None])
         robots, parts = np.nonzero(failing)
         times = begin[robots] + when[robots, parts] * length[robots]
         self.fails[robots, parts] = times
-        self.result.events.append((robots, parts, times, FAILED))
+        self.failed_by[robots, parts] = by[robots, parts]
+        self.result.events.append(Events(robots, parts, by[robots, parts], times, FAILED))
         clocks = clocks * share[:, None]
         gained = clocks * factors
         for m in self.hazard_scaled:
@@ -203,17 +227,22 @@ class _Robots:
         system = fails_at(self.design.whole, self.fails)
         down = np.isfinite(system) & ~self.system_down
         self.system_down |= down
-        self._note(down, np.full(self.count, ROBOT), system, FAILED)
+        self._note(down, system, FAILED)
 
-    def _note(self, robots: Flags, parts: Index, times: Array, what: int) -> None:
-        self.result.events.append((np.flatnonzero(robots), parts[robots], times[robots], what))
+    def _note(self, robots: Flags, times: Array, what: int) -> None:
+        """Something happened to these robots as a whole."""
+        found = np.flatnonzero(robots)
+        self.result.events.append(
+            Events(found, np.full_like(found, ROBOT), np.full_like(found, NO_MODE), times[robots], what)
+        )
 
     def _repair(self, robots: Flags) -> None:
         """Every failed part of these robots is replaced now, every other one inspected."""
         failed = np.isfinite(self.fails)
         for parts, what in ((failed, REPLACED), (~failed, INSPECTED)):
             b, u = np.nonzero(parts & robots[:, None])
-            self.result.events.append((b, u, self.now[b], what))
+            modes = self.failed_by[b, u] if what == REPLACED else np.full_like(b, NO_MODE)
+            self.result.events.append(Events(b, u, modes, self.now[b], what))
         self._renew(failed & robots[:, None], np.zeros(len(self.part)))
         self.system_down &= ~robots
 
@@ -233,7 +262,8 @@ class _Robots:
         """Return the record, and what follows up to the next failure."""
         used = np.array(sorted({mode.part for mode in self.design.modes if mode.initial > 0}), dtype=int)
         robots, parts = (one.ravel() for one in np.meshgrid(self.every_robot, used, indexing="ij"))
-        self.result.events.append((robots, parts, self.now[robots], INSPECTED))  # what has survived its past
+        survived = np.full_like(robots, NO_MODE)
+        self.result.events.append(Events(robots, parts, survived, self.now[robots], INSPECTED))  # each its past
         rounds = -(-tasks // self.plans.tasks)  # what is begun is finished
         for number in range(int(np.max(rounds * self.plans.tasks))):
             self._task(number, number < rounds * self.plans.tasks)
@@ -241,9 +271,9 @@ class _Robots:
         down = np.isfinite(self._functions_fail(self.fails)[:, -1])
         self._repair(down)
         self.result.end = self.now.copy()
-        self._note(np.ones(self.count, dtype=bool), np.full(self.count, ROBOT), self.now, END)
+        self._note(np.ones(self.count, dtype=bool), self.now, END)
         system = self._next_failure()
-        self._note(system < HORIZON, np.full(self.count, ROBOT), system, FAILED)
+        self._note(system < HORIZON, system, FAILED)
         return self.result
 
     def _rest(self, until: Array) -> None:
@@ -283,12 +313,12 @@ class _Robots:
         stress = self._jittered(plans.stress[every, slot, leg])
         clocks = self._clocks(length / 3600, speed, self._needed(needs))
         factors = self._factors(stress)
-        when = self._when(clocks, factors)
-        functions = self._functions_fail(np.where(np.isfinite(self.fails), 0.0, when))  # in shares of this leg
+        failing_at = self._when(clocks, factors)
+        functions = self._functions_fail(np.where(np.isfinite(self.fails), 0.0, failing_at[0]))  # in shares of this leg
         first = np.where(needs, functions, np.inf).min(axis=1)
         fails = np.isfinite(first) & (length > 0)
         begin = self.now
-        self._pass(begin, length, clocks, factors, np.where(fails, first, 1.0), when)
+        self._pass(begin, length, clocks, factors, np.where(fails, first, 1.0), failing_at)
         self.result.pieces.append(Piece(begin, self.now, speed, stress))
         return np.asarray(fails)
 

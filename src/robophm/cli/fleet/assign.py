@@ -39,7 +39,7 @@ def command(
     if plan.knowledge.failed or plan.knowledge.working:
         raise RobophmError(f"{tasks}: knowledge is of one robot; expected tasks alone, for many")
     with FleetStore(store) as fleet:
-        robots, left_out = candidates(fleet, designed, frozenset(robot or ()))
+        robots, left_out = candidates(fleet, designed, plan.tasks, frozenset(robot or ()))
     for name, why in left_out.items():
         warn(f"{name}: {why}; left out")
     if not robots:
