@@ -23,7 +23,7 @@ COMMANDS = {
     "assign": "Assign tasks to robots so that all are most probably completed, and explain why.",
     "simulate": "Simulate robots that work, really fail, and report to a running fleet; their records end now.",
     "replay": "Compute the health of many robots from their recordings; an interrupted run is continued.",
-    "export": "Write the reports of robots as a table, or their ledgers.",
+    "export": "Write the reports of robots as a table or day by day, or their ledgers.",
 }
 
 

@@ -1,4 +1,4 @@
-"""``robophm fleet export``: reports as a table, or ledgers, for other programs."""
+"""``robophm fleet export``: reports as a table or day by day, or ledgers, for other programs."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import math
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
@@ -14,9 +15,11 @@ import typer
 
 from robophm.cli.shared.fleet import FleetStorePath
 from robophm.cli.shared.options import Force, Json
-from robophm.cli.shared.output import console, may_make, print_json
+from robophm.cli.shared.output import console, may_make, print_json, progress_console
+from robophm.cli.shared.progress import counted
 from robophm.core.errors import RobophmError
 from robophm.core.files import replacing
+from robophm.fleet.daily_history import write_days
 from robophm.fleet.questions import present, reports
 from robophm.fleet.store import FleetStore
 from robophm.report.words import count_text
@@ -27,12 +30,25 @@ SUFFIXES = (".csv", ".jsonl")
 
 def command(
     store: FleetStorePath,
-    to: Annotated[Path, typer.Option("--to", help=".csv: all reports; .jsonl: each robot's newest ledger and report")],
+    to: Annotated[
+        Path,
+        typer.Option(
+            "--to",
+            help=".csv: all reports; .jsonl: each robot's newest ledger and report; without either: a folder, in which "
+            "each day that is over becomes Parquet, once",
+        ),
+    ],
     robot: Annotated[str | None, typer.Option(help="only this robot")] = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Write the reports of robots as a table, or their ledgers."""
+    """Write the reports of robots as a table or day by day, or their ledgers."""
+    if not to.suffix:
+        if robot or force:
+            raise RobophmError(f"{to}: a folder of days is of all robots, and a day that is there stays as it is; "
+                               f"expected no {'--robot' if robot else '--force'}")  # fmt: skip
+        _days(store, to, as_json=as_json)
+        return
     may_make(to, Path(store), force=force, suffixes=SUFFIXES)
     count = 0
     try:
@@ -47,6 +63,16 @@ def command(
         print_json({"file": str(to), "rows": rows})
     else:
         console().print(f"Written: {to}, {count_text(rows)} rows", markup=False)
+
+
+def _days(store: str, to: Path, *, as_json: bool) -> None:
+    with FleetStore(store) as fleet, counted(progress_console(), "writing days") as advance:
+        found = write_days(fleet, to, time.time_ns(), advance)
+    if as_json:
+        print_json({"folder": str(to), **found._asdict()})
+    else:
+        days = f"{count_text(len(found.days))} days, {count_text(found.rows)} rows" if found.days else "no new day"
+        console().print(f"Written: {to}, {days}", markup=False)
 
 
 def _table(fleet: FleetStore, robot: str | None) -> Iterator[str]:
