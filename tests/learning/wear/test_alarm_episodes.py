@@ -6,7 +6,7 @@ import pytest
 from robophm.learning.wear.alarm_episodes import episodes
 from robophm.learning.wear.cusum import Cusum, design
 
-DETECTOR = Cusum(0.0, 1.0, 0.5, 4.0, 1000.0, 10.0, 1.0, 3)
+DETECTOR = Cusum(0.0, 1.0, 0.5, 4.0, 1000.0, 10.0, 1.0, 3, drifts=False)
 
 
 def test_by_hand():
