@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 import select
 import subprocess
@@ -18,9 +17,6 @@ import numpy as np
 from robophm.blocks.compiling import Compiled
 from robophm.blocks.nodes import Table, too_large
 from robophm.blocks.ordering import Gate, orders
-
-MOST_SECONDS = 60.0
-"""Seconds that it may take where nothing is said of them."""
 
 MOST_BYTES = 3 << 30
 """Memory that the process may take in which a diagram is made."""
@@ -40,9 +36,7 @@ def compiled_by_cudd(variables: int, gates: Sequence[Gate], limit: int, until: f
     Every order has a share of the time to make all gates, then the one that came furthest has what is left. Raises
     TooLargeError where there are more than twice ``limit`` nodes, and where no order comes through.
     """
-    now = time.perf_counter()
-    until = until if math.isfinite(until) else now + MOST_SECONDS
-    share = (until - now) / _SHARE
+    share = (until - time.perf_counter()) / _SHARE
     tried: list[tuple[int, list[int]]] = []
     for order in orders(variables, gates):
         found = _attempt(gates, order, limit, min(time.perf_counter() + share, until), until)

@@ -120,10 +120,13 @@ class Modular:
 
 
 def _compiled(variables: int, gates: Sequence[tuple[int, list[int]]], limit: int, until: float) -> Compiled:
-    """Compile gates by our own table, or where it takes too many steps by CUDD, if that is installed."""
+    """Compile gates by our own table, or by CUDD, if it is installed, where that takes too many steps for it.
+
+    Only where it is said how long it may take: nobody waits for minutes who did not ask for it.
+    """
     try:
         return compiled(variables, gates, limit, until)
     except TooLargeError:
-        if not available():
+        if not (math.isfinite(until) and available()):
             raise
         return compiled_by_cudd(variables, gates, limit, until)

@@ -13,6 +13,7 @@ import pytest
 
 from robophm.core.errors import SourceError, StoreError
 from robophm.design.file import parse
+from robophm.health.exposure import ExposureIntegrator
 from robophm.monitoring.stored_past import stored_past
 from robophm.stores import open_store
 from robophm.transports.live.shared_source import robots_of
@@ -84,7 +85,8 @@ def test_each_robot_that_matches_has_its_own_figures_topics_and_past(system: Sys
     for name in ROBOTS:
         with stored_past(f"{tmp_path}/past.db#{name}", robot) as (store, ledger):
             assert store.robots() == ["AMR"]
-            hotter.append(float(ledger.effective.value[0] / ledger.age.value[0]))
+            lived = ExposureIntegrator(robot).settled(ledger)  # with what was heard since the last whole window
+            hotter.append(float(lived.effective.value[0] / lived.age.value[0]))
     assert hotter == sorted(hotter)
     assert hotter[2] > 2 * hotter[0]
 
