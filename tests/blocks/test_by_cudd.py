@@ -62,6 +62,13 @@ def test_what_is_never_or_always_true_is_a_leaf(k, leaf):
     assert root == leaf
 
 
+def test_no_module_of_the_folder_that_it_is_run_in_is_imported(tmp_path, monkeypatch):
+    (tmp_path / "json.py").write_text("raise SystemExit('imported')")
+    monkeypatch.chdir(tmp_path)
+    table, _, (root,) = compiled_by_cudd(2, [(ALL, [0, 1])], 10, time.perf_counter() + 60)
+    assert len(below(table, root)) == 2
+
+
 def middle(n):
     """The product of two n-digit numbers in its middle digit: no order keeps its diagram small (Bryant 1991)."""
     gates = []

@@ -56,7 +56,8 @@ def _attempt(gates: Sequence[Gate], order: list[int], limit: int, soon: float, u
         return 0
     said = {"gates": [(k, list(inputs)) for k, inputs in gates], "order": order, "bytes": MOST_BYTES,
             "seconds": int(seconds) + 2}  # fmt: skip
-    command = [sys.executable, "-m", "robophm.blocks.cudd_process"]
+    # -P: nothing that lies in the folder where a model does is imported.
+    command = [sys.executable, "-P", "-m", "robophm.blocks.cudd_process"]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as process:
         try:
             out = _heard(process, json.dumps(said).encode(), soon, until)

@@ -202,7 +202,9 @@ def test_an_alarm_that_begins_is_told_on_the_desktop_where_that_is_wished(visit,
         look.page.add_init_script(TOLD)
         page = look.open("alarms")
         page.get_by_text("None at present.").wait_for()
-        page.get_by_label("notify on this desktop").check()
+        wished = page.get_by_label("notify on this desktop")
+        wished.click()  # it is ticked when the browser has said that it may
+        page.wait_for_function("box => box.checked", arg=wished.element_handle())
         page.get_by_role("link", name="Design").click()  # whichever page is open
         served.post("/api/monitoring/start", {"source": "recordings", "speed": 20})
         while len(said := sorted(page.evaluate("window.told"))) < 2:
