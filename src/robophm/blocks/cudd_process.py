@@ -8,15 +8,13 @@ from __future__ import annotations
 import json
 import resource
 import sys
-from collections.abc import Sequence
 from typing import Any
 
 import dd.cudd
 import numpy as np
 import numpy.typing as npt
 
-from robophm.blocks.graph import ALL, NOT, ODD
-from robophm.blocks.nodes import FALSE, TRUE
+from robophm.blocks.nodes import FALSE, TRUE, Operations
 
 MADE = b"."
 """The sign that is written for each gate that is made, before the nodes."""
@@ -36,9 +34,9 @@ def main() -> None:
     names = [f"x{x}" for x in range(len(said["order"]))]
     diagram.declare(*(names[x] for x in said["order"]))
     function = [diagram.var(name) for name in names]
+    operations = _Cudd(diagram)
     for k, inputs in said["gates"]:
-        # The deepest first: what is added above it does not change what is below.
-        function.append(_gate(diagram, k, sorted((function[i] for i in inputs), key=lambda f: -f.level)))
+        function.append(operations.gate(k, [function[i] for i in inputs]))
         out.write(MADE)
         out.flush()
     out.write(b"\n")
@@ -47,31 +45,28 @@ def main() -> None:
     out.write(np.int64(root).tobytes() + nodes.tobytes())
 
 
-def _gate(diagram: Any, k: int, inputs: Sequence[Any]) -> Any:
-    """The function of a gate; ``k`` as of graph.Gate."""
-    if k == NOT:
-        return ~inputs[0]
-    if k == ODD:
-        odd = diagram.false
-        for f in inputs:
-            odd = diagram.apply("xor", odd, f)
-        return odd
-    k = len(inputs) if k == ALL else k
-    if k == 1:
-        any_of = diagram.false
-        for f in inputs:
-            any_of |= f
-        return any_of
-    if k == len(inputs):
-        all_of = diagram.true
-        for f in inputs:
-            all_of &= f
-        return all_of
-    enough = [diagram.true, *[diagram.false] * k]
-    for f in inputs:
-        for j in range(k, 0, -1):
-            enough[j] = diagram.ite(f, enough[j - 1], enough[j])
-    return enough[k]
+class _Cudd(Operations[Any]):
+    """CUDD's operations."""
+
+    def __init__(self, diagram: dd.cudd.BDD) -> None:
+        self._diagram = diagram
+        self.false, self.true = diagram.false, diagram.true
+
+    def depth(self, f: Any) -> int:
+        level: int = f.level
+        return level
+
+    def opposite(self, f: Any) -> Any:
+        return ~f
+
+    def both(self, f: Any, g: Any) -> Any:
+        return f & g
+
+    def either(self, f: Any, g: Any) -> Any:
+        return f | g
+
+    def choose(self, f: Any, g: Any, h: Any) -> Any:
+        return self._diagram.ite(f, g, h)
 
 
 def _nodes(root: Any) -> tuple[int, npt.NDArray[np.int64]]:

@@ -7,13 +7,17 @@ from __future__ import annotations
 
 import math
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from typing import Generic, TypeVar
 
 from robophm.blocks.graph import ALL, NOT, ODD
 from robophm.core.errors import StructureError
 
 FALSE, TRUE = 0, 1
 """The two leaves of every diagram."""
+
+_Function = TypeVar("_Function")
 
 _OFTEN = 50_000
 """Steps, about a fifth of a second, after which it is looked whether there is time left."""
@@ -22,13 +26,68 @@ _WORD = 32
 _MASK = (1 << _WORD) - 1
 
 
-class Table:
+class Operations(ABC, Generic[_Function]):
+    """What a diagram does with functions, and gates, which are made of that alone."""
+
+    false: _Function
+    true: _Function
+
+    @abstractmethod
+    def depth(self, f: _Function) -> int:
+        """Return the level of a function's topmost variable."""
+
+    @abstractmethod
+    def opposite(self, f: _Function) -> _Function:
+        """Return the function that is true where f is false."""
+
+    @abstractmethod
+    def both(self, f: _Function, g: _Function) -> _Function:
+        """Return the function "f and g"."""
+
+    @abstractmethod
+    def either(self, f: _Function, g: _Function) -> _Function:
+        """Return the function "f or g"."""
+
+    @abstractmethod
+    def choose(self, f: _Function, g: _Function, h: _Function) -> _Function:
+        """Return the function "g if f is true, else h" (Bryant's if-then-else)."""
+
+    def gate(self, k: int, inputs: Sequence[_Function]) -> _Function:
+        """Return the function of a gate of these inputs; ``k`` as of graph.Gate."""
+        if k == NOT:
+            return self.opposite(inputs[0])
+        if k == ODD:
+            odd = self.false
+            for g in inputs:
+                odd = self.choose(odd, self.opposite(g), g)
+            return odd
+        return self.at_least(len(inputs) if k == ALL else k, inputs)
+
+    def at_least(self, k: int, inputs: Sequence[_Function]) -> _Function:
+        """Return the function that is true while at least k of the inputs are."""
+        inputs = sorted(inputs, key=self.depth)
+        if k == len(inputs) or k == 1:
+            joined = self.both if k == len(inputs) else self.either
+            whole = inputs[-1]
+            for g in reversed(inputs[:-1]):  # what lies deepest first
+                whole = joined(g, whole)
+            return whole
+        enough = [self.true] + [self.false] * k  # enough[j]: at least j of the inputs seen are true
+        for left, g in zip(reversed(range(len(inputs))), reversed(inputs), strict=True):
+            for j in range(k, max(k - left, 1) - 1, -1):
+                enough[j] = self.choose(g, enough[j - 1], enough[j])
+        return enough[k]
+
+
+class Table(Operations[int]):
     """A table of nodes: node g decides variable ``level[g]`` into ``high[g]``, where it is true, and ``low[g]``.
 
     No two nodes are alike.
 
     Raises TooLargeError once ``limit`` steps are taken, or ``time.perf_counter()`` is at ``until``.
     """
+
+    false, true = FALSE, TRUE
 
     def __init__(self, variables: int, limit: int, until: float = math.inf) -> None:
         self.level = [variables, variables]  # the leaves lie below every variable
@@ -71,31 +130,9 @@ class Table:
         """Return how many steps have been taken."""
         return len(self._both) + len(self._either) + len(self._choice) + len(self._opposite)
 
-    def gate(self, k: int, inputs: Sequence[int]) -> int:
-        """Return the node of a gate of these inputs; ``k`` as of graph.Gate."""
-        if k == NOT:
-            return self.opposite(inputs[0])
-        if k == ODD:
-            odd = FALSE
-            for g in inputs:
-                odd = self.choose(odd, self.opposite(g), g)
-            return odd
-        return self.at_least(len(inputs) if k == ALL else k, inputs)
-
-    def at_least(self, k: int, inputs: Sequence[int]) -> int:
-        """Return the node that is true while at least k of the inputs are."""
-        inputs = sorted(inputs, key=self.level.__getitem__)
-        if k == len(inputs) or k == 1:
-            memo, absorbs = (self._both, FALSE) if k == len(inputs) else (self._either, TRUE)
-            whole = inputs[-1]
-            for g in reversed(inputs[:-1]):  # what lies deepest first
-                whole = self._combine(g, whole, memo, absorbs)
-            return whole
-        enough = [TRUE] + [FALSE] * k  # enough[j]: at least j of the inputs seen are true
-        for left, g in zip(reversed(range(len(inputs))), reversed(inputs), strict=True):
-            for j in range(k, max(k - left, 1) - 1, -1):
-                enough[j] = self.choose(g, enough[j - 1], enough[j])
-        return enough[k]
+    def depth(self, g: int) -> int:
+        """Return the level of a node."""
+        return self.level[g]
 
     def both(self, f: int, g: int) -> int:
         """Return the node of "f and g"."""
