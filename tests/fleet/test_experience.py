@@ -81,7 +81,7 @@ def test_lives_failures_and_what_was_promised_are_those_of_all_robots(store, rob
     """Motors lived 80 (failed), 30 (replaced in time), 20, 60 (failed), 40 and 500 h."""
     found = experience(store, [robot])
     (one,) = found.designs
-    assert [(each.robot, each.site, each.version, each.year) for each in one.robots] == [
+    assert [(each.robot, each.origin.site, each.origin.version, each.origin.year) for each in one.robots] == [
         ("r1", None, "d1", "2025"), ("r2", "Kiel", "d1", "2025"), ("r3", None, "d2", "2025"),
     ]  # fmt: skip
     assert found.left_out == {"silent": "has sent no ledger yet"}

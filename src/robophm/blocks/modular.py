@@ -13,7 +13,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robophm.blocks.by_cudd import available, compiled_by_cudd
 from robophm.blocks.compiling import Compiled, compiled
 from robophm.blocks.graph import Gate, modules
 from robophm.blocks.nodes import FALSE, TRUE, Table, TooLargeError, below
@@ -127,6 +126,8 @@ def _compiled(variables: int, gates: Sequence[tuple[int, list[int]]], limit: int
     try:
         return compiled(variables, gates, limit, until)
     except TooLargeError:
+        from robophm.blocks.by_cudd import available, compiled_by_cudd  # what few ask for need not be loaded
+
         if not (math.isfinite(until) and available()):
             raise
         return compiled_by_cudd(variables, gates, limit, until)

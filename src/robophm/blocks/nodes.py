@@ -27,7 +27,7 @@ _MASK = (1 << _WORD) - 1
 
 
 class Operations(ABC, Generic[_Function]):
-    """What a diagram does with functions, and gates, which are made of that alone."""
+    """The operations of a decision diagram, and gates, which are made of these alone."""
 
     false: _Function
     true: _Function

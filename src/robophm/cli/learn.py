@@ -8,9 +8,9 @@ from typing import Annotated
 
 import typer
 
-from robophm.cli.shared.learned import rate_json, robots_json, unstated_json
-from robophm.cli.shared.options import Design, Force, Json
-from robophm.cli.shared.output import console, may_make, print_json, print_table, table, warn
+from robophm.cli.shared.learned import print_learned, rate_json, robots_json, unstated_json
+from robophm.cli.shared.options import Design, Force, Json, Prior
+from robophm.cli.shared.output import console, may_make, print_json, warn
 from robophm.cli.shared.stored_past import kept
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import DataError
@@ -22,7 +22,6 @@ from robophm.learning.rates.evidence import with_evidence
 from robophm.learning.rates.failure_log import Seen, read_failure_log
 from robophm.learning.rates.rate_update import LearnedRate, UnstatedRate, learn, unstated
 from robophm.monitoring.rate_history import each_once, rate_history
-from robophm.report.learned_rates import contradictions, learned_rows, unstated_text
 from robophm.stores import place_of
 
 STORES = (".db", ".sqlite", ".sqlite3")
@@ -34,10 +33,7 @@ def command(
     logs: Annotated[
         list[Path], typer.Argument(help="failure logs (.csv, .yaml), or stores of robots (.db)", metavar="LOG…")
     ],
-    prior: Annotated[
-        str | None,
-        typer.Option(help="weight of the stated rates: '10000 h', '2 failures'; default: the design's, or 1"),
-    ] = None,
+    prior: Prior = None,
     of: Annotated[str | None, typer.Option("--robot", help="rates of this one robot of the fleet")] = None,
     to: Annotated[Path | None, typer.Option(help="write the design with the evidence beside each rate")] = None,
     force: Force = False,
@@ -86,15 +82,6 @@ def _paths(unrated: Sequence[UnstatedRate]) -> str:
 
 
 def _print(robot: Robot, learned: Sequence[LearnedRate], unrated: Sequence[UnstatedRate]) -> None:
-    out = console()
     robots = {name for one in learned for name in one.robots}
-    columns, rows = learned_rows(learned, unrated)
     fleet = f", {len(robots)} robots" if len(robots) > 1 else ""
-    print_table(
-        out, table(f"What the field says of {robot.name}{fleet}", columns, rows, figures=range(1, len(columns)))
-    )
-    for words in contradictions(learned, "; --robot says of one"):
-        out.print(words, style="yellow" if words.startswith("* ") else None, markup=False, soft_wrap=True)
-    for other in unrated:
-        out.print(unstated_text(other), style="yellow", markup=False, soft_wrap=True)
-    out.print("expected: failures by the stated rate; times: learned over stated. --to NEW.YAML writes the design.")
+    print_learned(f"{robot.name}{fleet}", learned, unrated, "; --robot says of one", "--to NEW.YAML writes the design.")

@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import asdict
-from datetime import UTC, datetime
 from typing import Any, NamedTuple
 
 from robophm.calibration.honest_past import MONTH, MOST_POINTS, Noted, tells_nothing
 from robophm.calibration.promised_failures import LEVEL, CountedFailures
 from robophm.core.errors import DataError
-from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
 from robophm.fleet.cohorts import KINDS
-from robophm.fleet.experience import NO_LEDGER, NOT_WORKED, Experience, ObservedRobot, kept_ledgers, unreadable
+from robophm.fleet.experience import NO_LEDGER, NOT_WORKED, kept_ledgers, unreadable
 from robophm.fleet.questions import history, newest_time
 from robophm.fleet.store import FleetStore
 from robophm.health.plant import Plant
@@ -75,7 +73,7 @@ def calibrate(store: FleetStore, designs: Sequence[Robot], kind: str) -> FleetCa
             series = history(store, one.robot, last - MONTH, last, MOST_POINTS).series
             try:
                 span = Noted(plants[one.design], one.ledger).span(series, last)
-                year = str(datetime.fromtimestamp(one.ledger.started // SECOND, UTC).year)
+                cohort = KINDS[kind](one.origin) or "not stated"
             except NO_LEDGER as error:
                 not_told[one.robot] = unreadable(error)
                 continue
@@ -83,9 +81,7 @@ def calibrate(store: FleetStore, designs: Sequence[Robot], kind: str) -> FleetCa
                 not_told[one.robot] = "has no figures that tell: fewer than two reports, or a past that was revised"
                 continue
             every.append(span.counted)
-            design = plants[one.design].robot
-            name = KINDS[kind](Experience(design, ()), ObservedRobot(one.robot, one.site, one.version, year, ()))
-            counted[name or "not stated"].append(span.counted)
+            counted[cohort].append(span.counted)
     if not every:
         raise DataError(f"{store.place}: no robot of {', '.join(plants)} has promised anything that can be counted; "
                         "expected two reports and a ledger of one at least")  # fmt: skip

@@ -9,16 +9,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from robophm.design.robot import FailureMode
-from robophm.fleet.experience import Experience, ObservedRobot
+from robophm.fleet.experience import Experience, ObservedRobot, Origin
 from robophm.learning.rates.cohorts import FALSE_RATE, CohortComparison, adjusted, compare_cohort
 from robophm.learning.rates.failure_log import Seen
 from robophm.learning.rates.rate_update import LearnedRate, Promised, learn, promised
 
-KINDS: dict[str, Callable[[Experience, ObservedRobot], str | None]] = {
-    "design": lambda found, _: found.design.name,
-    "version": lambda found, one: one.version and f"{found.design.name} {one.version}",
-    "site": lambda _, one: one.site,
-    "year": lambda _, one: one.year,
+KINDS: dict[str, Callable[[Origin], str | None]] = {
+    "design": lambda one: one.design,
+    "version": lambda one: one.version and f"{one.design} {one.version}",
+    "site": lambda one: one.site,
+    "year": lambda one: one.year,
 }
 """The ways in which robots are put together: what a robot's cohort is called in each; None where that is not known."""
 
@@ -77,7 +77,7 @@ def cohort_rates(designs: Sequence[Experience], kind: str, prior: str | None = N
     for experience in designs:
         cohorts: dict[str, list[ObservedRobot]] = defaultdict(list)
         for robot in experience.robots:
-            if (name := KINDS[kind](experience, robot)) is not None:
+            if (name := KINDS[kind](robot.origin)) is not None:
                 cohorts[name].append(robot)
         for cohort, robots in sorted(cohorts.items()):
             seen = [seen for robot in robots for seen in robot.seen]
@@ -105,23 +105,23 @@ def compare(designs: Sequence[Experience], prior: str | None = None) -> Comparis
     A robot whose cohort of a kind is not known, as of no stated site, is in no comparison of that kind.
     Of modes of unknown rate, whose robots have nothing beside which they are alike, no comparison is made.
     """
-    lived: dict[tuple[str, str, str], list[tuple[Experience, ObservedRobot, Seen]]] = defaultdict(list)
+    lived: dict[tuple[str, str, str], list[tuple[Origin, Seen]]] = defaultdict(list)
     for experience in designs:
         for robot in experience.robots:
             for seen in robot.seen:
                 if not seen.mode.unknown:
-                    lived[_part_type(seen.mode)].append((experience, robot, seen))
+                    lived[_part_type(seen.mode)].append((robot.origin, seen))
     found: list[Compared] = []
     too_few = never_failed = 0
     for some in lived.values():
-        if not any(seen.failures for *_, seen in some):
+        if not any(seen.failures for _, seen in some):
             never_failed += 1
             continue
-        mode = some[0][2].mode
-        told = promised(mode, [seen for *_, seen in some], prior)
+        mode = some[0][1].mode
+        told = promised(mode, [seen for _, seen in some], prior)
         expected = told.by_rate.to_each(_STATED)[:, 0].tolist()
         for kind, name_of in KINDS.items():
-            named = [name_of(experience, robot) for experience, robot, _ in some]
+            named = [name_of(origin) for origin, _ in some]
             known = [at for at, name in enumerate(named) if name is not None]
             names = [named[at] for at in known]
             asked = Promised(
@@ -132,7 +132,7 @@ def compare(designs: Sequence[Experience], prior: str | None = None) -> Comparis
                 if one is None:
                     too_few += 1
                     continue
-                own = [(some[at][2], expected[at]) for at in known if named[at] == cohort]
+                own = [(some[at][1], expected[at]) for at in known if named[at] == cohort]
                 found.append(Compared(
                     mode.path, mode.clock, kind, cohort, len(own), sum(seen.exposure for seen, _ in own),
                     sum(by for _, by in own), one, 1.0,

@@ -20,15 +20,12 @@ import numpy as np
 
 from robophm.core.errors import RobophmError
 from robophm.core.files import sync_folder
-from robophm.core.signal import HOUR, SECOND
+from robophm.core.signal import DAY, HOUR, SECOND
 from robophm.core.single_writer import only_one
 from robophm.fleet.engines.engine import Row
 from robophm.fleet.figures import figures_of_bytes
 from robophm.fleet.store import FleetStore
 from robophm.stores.outbox import COLUMNS
-
-DAY = 24 * HOUR
-"""Nanoseconds of a day."""
 
 OVER = HOUR
 """Nanoseconds after its end when a day is over: what was received in it has been committed by then."""

@@ -14,7 +14,7 @@ from robophm.core.errors import DataError, StoreError
 from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
 from robophm.fleet.engines.engine import Row
-from robophm.fleet.figures import present_sum
+from robophm.fleet.figures import must_be_kept
 from robophm.fleet.store import FleetStore
 from robophm.health.ledger import Ledger
 from robophm.learning.rates.failure_log import Seen
@@ -34,15 +34,22 @@ NOT_WORKED = "has not worked yet"
 """Why nothing is counted of a robot whose ledger is as new."""
 
 
-class ObservedRobot(NamedTuple):
-    """A robot of a fleet and what each of its parts has gone through, failures and exposure."""
+class Origin(NamedTuple):
+    """The origin of a robot's record, by which robots are put together."""
 
-    robot: str
+    design: str
     site: str | None
     version: str | None
     """First eight digits of the hash of its design, by which versions of a design are told apart."""
     year: str
     """Year in which its record begins, by its own clock."""
+
+
+class ObservedRobot(NamedTuple):
+    """A robot of a fleet and what each of its parts has gone through, failures and exposure."""
+
+    robot: str
+    origin: Origin
     seen: tuple[Seen, ...]
 
 
@@ -79,9 +86,12 @@ class KeptLedger(NamedTuple):
     """Why it is left out; empty where it is not."""
 
     @property
-    def version(self) -> str | None:
-        """Return the first eight digits of the hash of its design, by which versions of it are told apart."""
-        return self.design_hash[:8] if self.design_hash else None
+    def origin(self) -> Origin:
+        """Return the origin of a ledger's record. Raises StoreError of one that has not begun, and NO_LEDGER."""
+        if self.ledger is None or self.ledger.started is None:
+            raise StoreError(NOT_WORKED)
+        year = str(datetime.fromtimestamp(self.ledger.started // SECOND, UTC).year)
+        return Origin(self.design, self.site, self.design_hash[:8] if self.design_hash else None, year)
 
 
 def kept_ledgers(store: FleetStore, designs: Sequence[Robot], names: Collection[str] = ()) -> Iterator[KeptLedger]:
@@ -124,8 +134,7 @@ def experience(store: FleetStore, designs: Sequence[Robot]) -> FleetExperience:
         why = one.why
         if one.ledger:
             try:
-                year, seen = _lived(by_name[one.design], one.ledger, one.robot)
-                found[one.design].append(ObservedRobot(one.robot, one.site, one.version, year, seen))
+                found[one.design].append(_lived(by_name[one.design], one.ledger, one))
             except StoreError as error:
                 why = str(error)
         if why:
@@ -151,23 +160,19 @@ def _kept(store: FleetStore) -> Iterator[Row]:
 
 def _ledger(store: FleetStore, name: str, design: Robot, kept: Sequence[Any]) -> Ledger:
     text, report, told = kept
-    if present_sum(text, report) != told:
-        raise StoreError(f"{store.place}: the ledger of {name} is damaged: its checksum is another")
+    must_be_kept(store.place, name, text, report, told)
     try:
         return Ledger.of(design, json.loads(zlib.decompress(text)))
     except NO_LEDGER as error:  # a robot may send whatever it likes in its place
         raise StoreError(unreadable(error)) from None
 
 
-def _lived(design: Robot, ledger: Ledger, name: str) -> tuple[str, tuple[Seen, ...]]:
-    """The year in which a robot's record begins, and its experience; StoreError where a ledger does not tell them."""
-    if ledger.started is None:
-        raise StoreError(NOT_WORKED)
+def _lived(design: Robot, ledger: Ledger, kept: KeptLedger) -> ObservedRobot:
+    """What a robot has gone through by its ledger; StoreError where that does not tell it."""
     try:
-        year = str(datetime.fromtimestamp(ledger.started // SECOND, UTC).year)
-        seen = tuple(rate_history(design, ledger, name))
+        found = ObservedRobot(kept.robot, kept.origin, tuple(rate_history(design, ledger, kept.robot)))
     except NO_LEDGER as error:
         raise StoreError(unreadable(error)) from None
-    if any(not 0 <= value < math.inf for one in seen for value in (one.failures, one.expected, one.exposure)):
+    if any(not 0 <= value < math.inf for one in found.seen for value in (one.failures, one.expected, one.exposure)):
         raise StoreError("has sent a ledger with exposure that cannot be")
-    return year, seen
+    return found

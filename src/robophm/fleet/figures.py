@@ -33,5 +33,11 @@ def present_sum(ledger: bytes, report: bytes) -> int:
     return zlib.crc32(report, zlib.crc32(ledger))
 
 
+def must_be_kept(store: str, robot: str, ledger: bytes, report: bytes, told: int) -> None:
+    """Raise StoreError where a present state is not what was kept; ``told``: its checksum."""
+    if present_sum(ledger, report) != told:
+        raise StoreError(f"{store}: the ledger of {robot} is damaged: its checksum is another")
+
+
 def _sum(key: tuple[int, int, int], time: int, body: bytes) -> int:
     return zlib.crc32(body, zlib.crc32(struct.pack("<4q", *key, time)))

@@ -69,7 +69,7 @@ def of_cohort(found: Experience, cohort: str) -> Experience:
     kind, _, name = cohort.partition("=")
     if kind not in KINDS or not name:
         raise DataError(f"cohort {cohort!r:.60}: expected KIND=NAME, of {', '.join(KINDS)}{nearest(kind, KINDS)}")
-    names = [KINDS[kind](found, robot) for robot in found.robots]
+    names = [KINDS[kind](robot.origin) for robot in found.robots]
     if name not in names:
         known = sorted({each for each in names if each is not None})
         raise DataError(f"cohort {cohort!r:.60}: no robot of {found.design.name} is of it{nearest(name, known)}")

@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from robophm.core.errors import RobophmError, StoreError
+from robophm.core.errors import RobophmError
 from robophm.core.signal import SECOND
 from robophm.core.units import quantity
 from robophm.fleet.commit import BELIEVED
-from robophm.fleet.figures import figures_of_bytes, present_sum
+from robophm.fleet.figures import figures_of_bytes, must_be_kept
 from robophm.fleet.store import FleetStore
 from robophm.stores.figures import STATES, FigureSeries, joined
 from robophm.stores.outbox import BOUNDS, CHANCES, COLUMNS, HORIZONS
@@ -245,8 +245,7 @@ def present(store: FleetStore, robot: str) -> tuple[str, dict[str, Any] | None] 
     if not rows:
         return None
     ledger, report, told = rows[0]
-    if present_sum(ledger, report) != told:
-        raise StoreError(f"{store.place}: the ledger of {robot} is damaged: its checksum is another")
+    must_be_kept(store.place, robot, ledger, report, told)
     return zlib.decompress(ledger).decode(), json.loads(zlib.decompress(report))
 
 

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from robophm.cli.shared.fleet import FleetStorePath
+from robophm.cli.shared.fleet import Designs, FleetStorePath, known_kind
 from robophm.cli.shared.options import Json
 from robophm.cli.shared.output import console, print_json, print_table, table, warn
-from robophm.core.errors import DataError, nearest
 from robophm.design.file import load
 from robophm.fleet.calibration import calibrate
 from robophm.fleet.cohorts import KINDS
@@ -20,14 +18,13 @@ from robophm.report.words import count_text, number_text
 
 
 def command(
-    designs: Annotated[list[Path], typer.Argument(help="design files of the robots", metavar="ROBOT.YAML…")],
+    designs: Designs,
     store: FleetStorePath,
     by: Annotated[str, typer.Option(help=f"cohorts: {', '.join(KINDS)}", metavar="KIND")] = "site",
     as_json: Json = False,
 ) -> None:
     """The failures that robots promised over their last thirty days, against those noted, by cohort."""
-    if by not in KINDS:
-        raise DataError(f"--by {by!r:.40}: expected {' or '.join(KINDS)}{nearest(by, KINDS)}")
+    known_kind(by)
     with FleetStore(store) as fleet:
         found = calibrate(fleet, [load(one) for one in designs], by)
     if as_json:

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from rich.console import Console
 
-from robophm.cli.shared.fleet import FleetStorePath
-from robophm.cli.shared.learned import rate_json, unstated_json
-from robophm.cli.shared.options import Json
+from robophm.cli.shared.fleet import Designs, FleetStorePath, known_kind
+from robophm.cli.shared.learned import print_learned, rate_json, unstated_json
+from robophm.cli.shared.options import Json, Prior
 from robophm.cli.shared.output import console, print_json, print_table, table, warn
-from robophm.core.errors import DataError, nearest
 from robophm.design.file import load
 from robophm.design.robot import CLOCK_UNITS
 from robophm.fleet.cohorts import KINDS, CohortRate, Compared, Comparisons, cohort_rates, compare
@@ -20,25 +18,21 @@ from robophm.fleet.experience import Experience, experience
 from robophm.fleet.store import FleetStore
 from robophm.learning.rates.cohorts import FALSE_RATE, FEWEST_ROBOTS
 from robophm.learning.rates.rate_update import LearnedRate, UnstatedRate, learn, unstated
-from robophm.report.learned_rates import contradictions, learned_rows, unstated_text
 from robophm.report.words import count_text, number_text, percent_text
 
 
 def command(
-    designs: Annotated[list[Path], typer.Argument(help="design files of the robots", metavar="ROBOT.YAML…")],
+    designs: Designs,
     store: FleetStorePath,
-    prior: Annotated[
-        str | None,
-        typer.Option(help="weight of the stated rates: '10000 h', '2 failures'; default: the design's, or 1"),
-    ] = None,
+    prior: Prior = None,
     by: Annotated[
         str | None, typer.Option(help=f"list the rates of each cohort by {', '.join(KINDS)}", metavar="KIND")
     ] = None,
     as_json: Json = False,
 ) -> None:
     """Failure rates by what all robots of the fleet have gone through."""
-    if by is not None and by not in KINDS:
-        raise DataError(f"--by {by!r:.40}: expected {' or '.join(KINDS)}{nearest(by, KINDS)}")
+    if by is not None:
+        known_kind(by)
     loaded = [load(one) for one in designs]
     with FleetStore(store) as fleet:
         found = experience(fleet, loaded)
@@ -62,7 +56,7 @@ def command(
     out = console()
     for one in learned:
         if one[0].robots:
-            _print(out, *one)
+            _print(*one)
         else:
             warn(f"{one[0].design.name}: no robot of it has sent a ledger of its work")
     if by is not None:
@@ -77,16 +71,9 @@ def _as_json(found: Experience, learned: list[LearnedRate], unrated: list[Unstat
     }  # fmt: skip
 
 
-def _print(out: Console, found: Experience, learned: list[LearnedRate], unrated: list[UnstatedRate]) -> None:
-    columns, rows = learned_rows(learned, unrated)
+def _print(found: Experience, learned: list[LearnedRate], unrated: list[UnstatedRate]) -> None:
     number = len(found.robots)
-    title = f"What the field says of {found.design.name}, {count_text(number)} robot{'s' * (number != 1)}"
-    print_table(out, table(title, columns, rows, figures=range(1, len(columns))))
-    for words in contradictions(learned):
-        out.print(words, style="yellow" if words.startswith("* ") else None, markup=False, soft_wrap=True)
-    for other in unrated:
-        out.print(unstated_text(other), style="yellow", markup=False, soft_wrap=True)
-    out.print("expected: failures by the stated rate; times: learned over stated.", markup=False)
+    print_learned(f"{found.design.name}, {count_text(number)} robot{'s' * (number != 1)}", learned, unrated)
 
 
 def _rate_json(one: CohortRate) -> dict[str, Any]:

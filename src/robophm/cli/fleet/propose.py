@@ -8,7 +8,7 @@ import typer
 
 from robophm.cli.shared.fleet import FleetStorePath
 from robophm.cli.shared.learned import rate_json
-from robophm.cli.shared.options import Design, Json
+from robophm.cli.shared.options import Design, Json, Prior
 from robophm.cli.shared.output import print_json, warn
 from robophm.cli.shared.proposed import print_proposal, proposal_json
 from robophm.core.errors import DataError
@@ -25,10 +25,7 @@ from robophm.learning.rates.rate_update import learn
 def command(
     design: Design,
     store: FleetStorePath,
-    prior: Annotated[
-        str | None,
-        typer.Option(help="weight of the stated rates: '10000 h', '2 failures'; default: the design's, or 1"),
-    ] = None,
+    prior: Prior = None,
     cohort: Annotated[
         str, typer.Option(help="learn of the robots of one cohort alone, such as site=Kiel", metavar="KIND=NAME")
     ] = "",

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from robophm.cli.shared.output import warn
-from robophm.core.errors import RobophmError
+from robophm.core.errors import DataError, RobophmError, nearest
 
 if TYPE_CHECKING:
     from robophm.fleet.address import FleetAddress
@@ -20,6 +21,7 @@ TOKEN = "ROBOPHM_FLEET_TOKEN"
 FleetStorePath = Annotated[
     str, typer.Option("--store", help="the fleet's store: a SQLite file, or postgresql://host/database")
 ]
+Designs = Annotated[list[Path], typer.Argument(help="design files of the robots", metavar="ROBOT.YAML…")]
 Fleet = Annotated[
     str | None,
     typer.Option(
@@ -27,6 +29,14 @@ Fleet = Annotated[
         metavar="URL",
     ),
 ]
+
+
+def known_kind(by: str) -> None:
+    """Refuse what is no way in which robots are put together."""
+    from robophm.fleet.cohorts import KINDS  # with all that learns
+
+    if by not in KINDS:
+        raise DataError(f"--by {by!r:.40}: expected {' or '.join(KINDS)}{nearest(by, KINDS)}")
 
 
 def fleet_address(text: str, store: str | None) -> FleetAddress:

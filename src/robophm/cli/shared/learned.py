@@ -1,11 +1,28 @@
-"""Learned rates as plain values for JSON."""
+"""Learned rates as people and machines read them."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
+from robophm.cli.shared.output import console, print_table, table
 from robophm.learning.rates.fleet import StatedRateRatio
 from robophm.learning.rates.rate_update import LearnedRate, UnstatedRate
+from robophm.report.learned_rates import contradictions, learned_rows, unstated_text
+
+
+def print_learned(
+    whose: str, learned: Sequence[LearnedRate], unrated: Sequence[UnstatedRate], more: str = "", then: str = ""
+) -> None:
+    """Print what the field says of rates; ``more`` is said where robots differ, ``then`` in the end."""
+    out = console()
+    columns, rows = learned_rows(learned, unrated)
+    print_table(out, table(f"What the field says of {whose}", columns, rows, figures=range(1, len(columns))))
+    for words in contradictions(learned, more):
+        out.print(words, style="yellow" if words.startswith("* ") else None, markup=False, soft_wrap=True)
+    for other in unrated:
+        out.print(unstated_text(other), style="yellow", markup=False, soft_wrap=True)
+    out.print(f"expected: failures by the stated rate; times: learned over stated. {then}".rstrip(), markup=False)
 
 
 def unstated_json(one: UnstatedRate) -> dict[str, Any]:

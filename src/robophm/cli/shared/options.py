@@ -27,6 +27,9 @@ def _known_unit(unit: str) -> str:
 
 Design = Annotated[Path, typer.Argument(help="the robot's design file", metavar="ROBOT.YAML")]
 
+Prior = Annotated[
+    str | None, typer.Option(help="weight of the stated rates: '10000 h', '2 failures'; default: the design's, or 1")
+]
 Json = Annotated[bool, typer.Option("--json", help="print one JSON document on stdout")]
 """The option of every command."""
 

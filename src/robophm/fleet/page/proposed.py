@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from robophm.fleet.page.views import STYLE
+from robophm.fleet.page.views import STYLE, way_back
 from robophm.fleet.proposals import Proposal
 from robophm.report.markup import Html, element
 from robophm.report.page import page, section, table_html
 from robophm.report.words import moment_text, number_text
-
-_BACK = element("nav", element("a", "Fleet", href="./"), aria_label="Way back")
 
 
 def proposals_page(found: Sequence[Proposal]) -> Html:
@@ -21,7 +19,9 @@ def proposals_page(found: Sequence[Proposal]) -> Html:
         for one in found
     ]  # fmt: skip
     columns = ("", "design", "learned of", "made", "state", "by")
-    return page("Proposals", [STYLE, _BACK, table_html(columns, rows, "", "llllll") if rows else "None was made yet."])
+    return page(
+        "Proposals", [STYLE, way_back(), table_html(columns, rows, "", "llllll") if rows else "None was made yet."]
+    )
 
 
 def proposal_page(one: Proposal) -> Html:
@@ -31,7 +31,7 @@ def proposal_page(one: Proposal) -> Html:
 
 def _sections(one: Proposal) -> Iterator[Html | str]:
     yield STYLE
-    yield element("nav", element("a", "Proposals", href="./proposals"), aria_label="Way back")
+    yield way_back("Proposals", "./proposals")
     robots = one.evidence["robots"]
     yield (
         f"Made {_time(one.time)}, learned of {len(robots)} robots{f' of {one.cohort}' if one.cohort else ''}. "

@@ -42,6 +42,11 @@ STYLE = Html(
 """The style of the fleet's pages beyond that of reports."""
 
 
+def way_back(name: str = "Fleet", to: str = "./") -> Html:
+    """Return the link to the page that this one was come to from."""
+    return element("nav", element("a", name, href=to), aria_label="Way back")
+
+
 class Fleet(NamedTuple):
     """The robots that the list shows, and all that it says beside them."""
 
@@ -207,7 +212,7 @@ def _report_time(time: int | None, ahead: float | None) -> str:
 
 def groups_page(by: str, groups: Sequence[Group], horizon: float, now: int) -> Html:
     """All robots in groups, as a whole page."""
-    back = element("nav", element("a", "Fleet", href="./"), aria_label="Way back")
+    back = way_back()
     table = _groups(by, groups, Asked(horizon), HORIZON_WORDS[horizon])
     return page(f"Fleet by {by}", [STYLE, back, f"{moment_text(now)[:16]} UTC.", table])
 
@@ -268,7 +273,7 @@ def robot_page(shown: Robot) -> Html:
 def _robot_sections(shown: Robot) -> Iterator[Html | str]:
     one = shown.status
     yield STYLE
-    yield element("nav", element("a", "Fleet", href="./"), aria_label="Way back")
+    yield way_back()
     facts = [
         ("design", one.design or "not told"), ("site", shown.site or "not told"), ("state", one.state or "not known"),
         ("heard", _heard(one.heard, shown.now)), ("newest report", _report_time(one.time, one.clock_ahead)),
