@@ -107,6 +107,7 @@ def test_what_is_lost_is_told_within_a_second(ros: System, tmp_path: Path) -> No
             return [t for w, t, said in known if w == where and t > after and "sequence gap on /motor" in said]
 
         within(20, lambda: any("h of operation" in words for _, words in written))
+        within(20, lambda: "diagnostics" in {where for where, *_ in found})  # rospy has connected
         for gap in GAPS:
             talker.stdin.write(f"{gap}\n")
             talker.stdin.flush()

@@ -21,7 +21,7 @@ from robophm.transports.signals.report_sink import JudgedTask
 Fields = Mapping[str, Any]
 
 MOST_TOLD = 3
-"""Notes that are in the message of a status; all are among its values."""
+"""Notes that are in the message of a status; up to MOST_STATUSES are among its values."""
 
 LEVELS: dict[State, int] = {"ok": 0, "warn": 1, "error": 2, "stale": 3}
 """Levels of diagnostic_msgs/DiagnosticStatus and phm_msgs/Health for each state."""
@@ -203,12 +203,16 @@ def logged(line: str, time: int, node: str, generation: int) -> Fields:
 
 
 def listening(notes: Mapping[str, int], robot: str, node: str, *, fresh: bool) -> Fields:
-    """Return the fields of a status on what was lost, silent or refused while listening; ``fresh``: a moment ago."""
-    told = said({what: count for what, count in notes.items() if not ordinary(what)})
+    """Return the fields of a status on what was lost, silent or refused while listening; ``fresh``: a moment ago.
+
+    Its message has the first of the notes, in their order, and how many more there are.
+    """
+    told = [line for what, count in notes.items() if not ordinary(what) for line in said({what: count})]
+    more = [f"and {len(told) - MOST_TOLD} more"] if len(told) > MOST_TOLD else []
     return {
         "level": LEVELS["warn" if fresh and told else "ok"],
         "name": f"{node}: listening",
-        "message": "; ".join(told[:MOST_TOLD]) if told else "nothing was lost",
+        "message": "; ".join(told[:MOST_TOLD] + more) if told else "nothing was lost",
         "hardware_id": robot,
         "values": [{"key": f"note {k}", "value": line} for k, line in enumerate(told[:MOST_STATUSES], 1)],
     }

@@ -72,6 +72,7 @@ class HealthTopics(ReportSink):
         """The time of the next message on /diagnostics [s], by a clock that nobody sets."""
         self._fresh = FreshNotes()
         self._heard_of: Mapping[str, int] = {}
+        """Notes and how often, those that came last first."""
         self._alarms: Sequence[Alarm] = ()
         self._noted = -math.inf
         """The time when a note came last [s], by a clock that nobody sets."""
@@ -147,11 +148,13 @@ class HealthTopics(ReportSink):
         return f"{self._root}/{HAZARD_RATE_NODE}".lstrip("/")
 
     def noted(self, notes: Mapping[str, int]) -> None:
-        """Publish at once on /diagnostics what was lost, silent or refused; for a while it is a warning.
+        """Publish at once on /diagnostics what was lost, silent or refused, the latest first; for a while as a warning.
 
         On /rosout each at first, and when it is ten times as many.
         """
-        self._heard_of, self._noted = notes, time.monotonic()
+        grown = {what: count for what, count in notes.items() if count != self._heard_of.get(what)}
+        earlier = {what: notes[what] for what in self._heard_of if what in notes and what not in grown}
+        self._heard_of, self._noted = grown | earlier, time.monotonic()
         if lines := self._fresh.lines(notes):  # in one message: of a latched topic only the last is kept
             said = report_fields.logged("; ".join(lines), time.time_ns(), self._diagnosing, self._outlet.generation)
             self._send("/rosout", said)
