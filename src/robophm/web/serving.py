@@ -48,9 +48,9 @@ def serve(settings: Settings, port: int, ready: Callable[[str, Service, Callable
     Port 0 is any that is free. Raises RobophmError where the address cannot be had, or others reach it and there are no
     users; else as ``create_app``.
     """
+    app = create_app(settings)  # while it is made a signal ends the process at once: there is nothing to keep
+    service: Service = app.state.service
     with heeding() as wish:
-        app = create_app(settings)
-        service: Service = app.state.service
         try:
             certificate = _certificate(settings, service)
 
@@ -99,6 +99,8 @@ def serve_app(
             timeout_graceful_shutdown=GRACE, server_header=False, proxy_headers=False, backlog=AT_ONCE,
         )  # fmt: skip
         wish.ends(server := _Server(config, supervisor), keep)
+        if server.should_exit:
+            return
         host = f"[{place.host}]" if ":" in place.host else place.host
         ready(f"{'https' if place.certificate else 'http'}://{host}:{listener.getsockname()[1]}/")
         supervisor.ready("serving")
@@ -197,7 +199,7 @@ class Wish:
 def heeding() -> Iterator[Wish]:
     """Take SIGINT and SIGTERM as the wish to stop; then as nothing, for what is left to end is the process.
 
-    It has to begin before there are threads: one that still computes when the process ends may abort it.
+    Without it an exception would end the main thread while others compute, and Python may abort then.
     """
     in_main = threading.current_thread() is threading.main_thread()
     wish = Wish(of_process=in_main)
