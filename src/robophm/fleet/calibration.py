@@ -12,7 +12,7 @@ from robophm.calibration.promised_failures import LEVEL, CountedFailures
 from robophm.core.errors import DataError
 from robophm.design.robot import Robot
 from robophm.fleet.cohorts import KINDS
-from robophm.fleet.experience import NO_LEDGER, NOT_WORKED, kept_ledgers, unreadable
+from robophm.fleet.experience import NO_LEDGER, NOT_WORKED, UNREADABLE, kept_ledgers
 from robophm.fleet.questions import history, newest_time
 from robophm.fleet.store import FleetStore
 from robophm.health.plant import Plant
@@ -74,8 +74,8 @@ def calibrate(store: FleetStore, designs: Sequence[Robot], kind: str) -> FleetCa
             try:
                 span = Noted(plants[one.design], one.ledger).span(series, last)
                 cohort = KINDS[kind](one.origin) or "not stated"
-            except NO_LEDGER as error:
-                not_told[one.robot] = unreadable(error)
+            except NO_LEDGER:
+                not_told[one.robot] = UNREADABLE
                 continue
             if span is None:
                 not_told[one.robot] = "has no figures that tell: fewer than two reports, or a past that was revised"

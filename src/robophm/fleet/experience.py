@@ -119,9 +119,8 @@ def kept_ledgers(store: FleetStore, designs: Sequence[Robot], names: Collection[
         yield KeptLedger(name, site, digest, design or "", ledger, why)
 
 
-def unreadable(error: Exception) -> str:
-    """Return why a robot is left out whose ledger is none, by the error in which it ended."""
-    return f"has sent a ledger that cannot be read: {type(error).__name__}"
+UNREADABLE = "has sent a ledger that cannot be read"
+"""Why a robot is left out whose ledger is none."""
 
 
 def experience(store: FleetStore, designs: Sequence[Robot]) -> FleetExperience:
@@ -163,16 +162,16 @@ def _ledger(store: FleetStore, name: str, design: Robot, kept: Sequence[Any]) ->
     must_be_kept(store.place, name, text, report, told)
     try:
         return Ledger.of(design, json.loads(zlib.decompress(text)))
-    except NO_LEDGER as error:  # a robot may send whatever it likes in its place
-        raise StoreError(unreadable(error)) from None
+    except NO_LEDGER:  # a robot may send whatever it likes in its place
+        raise StoreError(UNREADABLE) from None
 
 
 def _lived(design: Robot, ledger: Ledger, kept: KeptLedger) -> ObservedRobot:
     """What a robot has gone through by its ledger; StoreError where that does not tell it."""
     try:
         found = ObservedRobot(kept.robot, kept.origin, tuple(rate_history(design, ledger, kept.robot)))
-    except NO_LEDGER as error:
-        raise StoreError(unreadable(error)) from None
+    except NO_LEDGER:
+        raise StoreError(UNREADABLE) from None
     if any(not 0 <= value < math.inf for one in found.seen for value in (one.failures, one.expected, one.exposure)):
         raise StoreError("has sent a ledger with exposure that cannot be")
     return found

@@ -15,7 +15,7 @@ from robophm.core.signal import SECOND
 from robophm.design.robot import Robot
 from robophm.design.task import Task
 from robophm.fleet.assignment import Assignment, assign
-from robophm.fleet.experience import NO_LEDGER, kept_ledgers, unreadable
+from robophm.fleet.experience import NO_LEDGER, UNREADABLE, kept_ledgers
 from robophm.fleet.store import FleetStore
 from robophm.health.ledger import Ledger
 from robophm.health.mission import completion, deciding_components
@@ -92,8 +92,8 @@ def candidates(store: FleetStore, design: Robot, tasks: Sequence[Task], names: C
                 why = str(error)
             except RobophmError as error:
                 why = f"has sent a ledger that tells no probability: {error}"
-            except NO_LEDGER as error:
-                why = unreadable(error)
+            except NO_LEDGER:
+                why = UNREADABLE
         if why:
             left_out[one.robot] = why
     return Candidates(found, left_out)

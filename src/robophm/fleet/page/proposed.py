@@ -35,7 +35,7 @@ def _sections(one: Proposal) -> Iterator[Html | str]:
     robots = one.evidence["robots"]
     yield (
         f"Made {_time(one.time)}, learned of {len(robots)} robots{f' of {one.cohort}' if one.cohort else ''}. "
-        f"It is {one.state}. It is accepted and rolled back where the design is: robophm fleet accept, roll-back."
+        f"It is {one.state}; robophm fleet accept or roll-back, run beside the design, changes that."
     )
     rows = [
         (rate["mode"], number_text(rate["failures"]), number_text(rate["expected"], 3),

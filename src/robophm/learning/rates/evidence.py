@@ -46,7 +46,8 @@ def _written(one: LearnedRate) -> str:
     }
     notes = []
     if found.conflict:
-        notes.append(f"contradicts the stated rate, which counts as {found.left:.2g} failures beside them")
+        left = f"{found.left:.2g}"
+        notes.append(f"contradicts the stated rate, which counts as {left} failure{'s' * (left != '1')} beside them")
     if one.fleet.spread and found.failures >= FEWEST_TO_DIFFER:
         notes.append(f"{spread_text(one.fleet.spread)}; low … high are of one")
     if notes:
