@@ -114,6 +114,7 @@ def test_a_ledger_of_before_has_no_services(robot, worked):
 def test_refusals(robot, worked):
     before = worked.to_json()
     for path, said in (("bearng", "did you mean 'bearing'"), ("motor[1]", "one age for the 2 equal parts of 'motor'"),
+                       ("motor[2]/any", "one age for the 2 equal parts of 'motor'"), ("gear/any", "no part 'gear/any'"),
                        ("arm", "expected one of 'arm/a', 'arm/b'")):  # fmt: skip
         with pytest.raises(RobophmError, match=said):
             replace(robot, worked, path, failed=True)

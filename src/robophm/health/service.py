@@ -97,7 +97,7 @@ def find(robot: Robot, path: str) -> tuple[Component, tuple[FailureMode, ...]]:
         for mode in part.modes:
             if mode.path == path:
                 return part, (mode,)
-        if path in part.units:
+        if {path, path.rpartition("/")[0]} & {*part.units} - {part.path}:  # a unit, or a mode of one
             raise RobophmError(
                 f"'{path}': a ledger keeps one age for the {part.quantity} equal parts of '{part.path}'; expected "
                 "that name, for all of them, or a design that has them as components of their own"
