@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 from scipy.stats import beta, binom, kstest, kstwo
 
 from robophm.calibration.count import SMALLEST, Array
@@ -19,6 +18,7 @@ from robophm.core.prognostics import (
     cumulative_relative_accuracy,
     prognostic_horizon,
 )
+from robophm.core.root import root
 
 INTERVALS = (0.5, 0.8, 0.95)
 """Central intervals whose coverage is counted."""
@@ -199,7 +199,7 @@ def _seen(n: int) -> float:
     def most(c: float) -> float:
         return float(c ** (-1 / (c - 1)) * (c - 1) / c)
 
-    return float(brentq(lambda c: most(c) - shift, 1 + 1e-9, 1e6))
+    return root(lambda c: most(c) - shift, 1 + 1e-9, 1e6)
 
 
 def _prognosis(lives: Lives) -> Prognosis | None:

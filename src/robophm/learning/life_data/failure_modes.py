@@ -13,10 +13,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from scipy.integrate import trapezoid
-from scipy.optimize import brentq
 
 from robophm.core.errors import DataError, ModelError, nearest
+from robophm.core.root import root
 from robophm.design.file import load, read
 from robophm.learning.failure_mode_edits import edited
 from robophm.learning.life_data.distribution_fitting import LEVEL, UNKNOWN, Array, Fit, fit, fit_all, supports
@@ -83,7 +82,7 @@ def fit_modes(data: LifeData, name: str | None = None, *, level: float = LEVEL) 
     end = _quantile(found, 1 - 1e-10)
     times = np.concatenate([[0.0], np.geomspace(1e-12, 1.0, 8001) * min(end, 1e300)])
     survival = found.survival(times)
-    mean = float(trapezoid(survival, times)) if math.isfinite(end) else math.inf
+    mean = float(np.sum((survival[1:] + survival[:-1]) / 2 * np.diff(times))) if math.isfinite(end) else math.inf
     shares = {
         mode: float(np.sum((survival[1:] + survival[:-1]) / 2 * np.diff(np.asarray(one.life.increment(0.0, times)))))
         for mode, one in modes.items()
@@ -110,7 +109,7 @@ def _quantile(found: ModesFit, share: float) -> float:
         return min(float(found._gathered(np.array(math.exp(log_time)))), 1e300) - wanted
 
     low, high = math.log(1 / found.data.longest) - 60, math.log(found.data.longest) + 200
-    return math.exp(brentq(short, low, high)) if short(low) < 0 < short(high) else math.inf
+    return math.exp(root(short, low, high)) if short(low) < 0 < short(high) else math.inf
 
 
 def edited_modes(found: ModesFit, design: Path, part: str) -> str:

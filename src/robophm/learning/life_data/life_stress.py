@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from robophm.core.errors import DataError, nearest
 from robophm.learning.life_data.distribution_fitting import (
@@ -325,4 +325,4 @@ def _levels(
     if freedom <= 0:
         return tuple(tested), None
     ratio = max(0.0, 2 * (total - found.log_likelihood))
-    return tuple(tested), (ratio, freedom, float(chi2.sf(ratio, freedom)))
+    return tuple(tested), (ratio, freedom, float(chdtrc(freedom, ratio)))

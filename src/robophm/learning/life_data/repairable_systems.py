@@ -8,14 +8,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.special import gammainc
-from scipy.stats import chi2, norm
+from scipy.special import chdtr, chdtri, gammainc, ndtri
 
 from robophm.core.errors import DataError
+from robophm.core.root import root
 from robophm.learning.life_data.distribution_fitting import DOUBTFUL, LEVEL, Bounded
 from robophm.learning.life_data.observed_lives import LifeData
 from robophm.learning.life_data.surpyval import asked, library
@@ -96,9 +96,9 @@ def fit_power_law(
     scale = n / sum(end**shape for end in ends.values())
     rate = scale * shape * until ** (shape - 1)
     tail = (1 - level) / 2
-    bounds = (shape * chi2.ppf(one, 2 * free) / (2 * of) for one in (tail, 1 - tail))
+    bounds = (shape * chdtri(2 * free, 1 - one) / (2 * of) for one in (tail, 1 - tail))
     low, high = _between_failures(n, of, tail) if not at_failure else _between_failures_at_last(n, of, tail)
-    p = float(chi2.cdf(2 * logs, 2 * free))
+    p = float(chdtr(2 * free, 2 * logs))
     return PowerLaw(
         len(ends), n, Bounded(shape, *(float(one) for one in bounds)), scale, until,
         Bounded(1 / rate, low / rate, high / rate), 2 * min(p, 1 - p), at_failure, unbiased,
@@ -109,7 +109,7 @@ def _between_failures(n: int, of: int, tail: float) -> tuple[float, float]:
     """Bounds of the time between failures at the end of a test that ended at a time, over its estimate; ``of``: n of
     maximum likelihood, n − 1 unbiased, so that bounds are the same by both.
     """
-    z = float(norm.ppf(1 - tail))
+    z = float(ndtri(1 - tail))
     below = n - z * math.sqrt(n / 2)
     low = n * of / (n + z**2 / 4 + math.sqrt(n * z**2 / 2 + z**4 / 16)) ** 2
     return low, n * of / below**2 if below > 0 else math.inf
@@ -119,12 +119,12 @@ def _between_failures_at_last(n: int, of: int, tail: float) -> tuple[float, floa
     """The same of a test that ended with its n-th failure: the true intensity over the likeliest is Z·S/4n², χ² both,
     Z of 2n − 2 degrees of freedom, S of 2n.
     """
-    nodes = chi2.ppf((np.arange(1000) + 0.5) / 1000, 2 * n - 2)
+    nodes = chdtri(2 * n - 2, 1 - (np.arange(1000) + 0.5) / 1000)
 
     def miss(log_product: float, share: float) -> float:
         return float(np.mean(gammainc(n, math.exp(log_product) / (2 * nodes)))) - share
 
-    products = (math.exp(brentq(miss, -30.0, 60.0, args=(share,))) for share in (1 - tail, tail))
+    products = (math.exp(root(partial(miss, share=share), -30.0, 60.0)) for share in (1 - tail, tail))
     low, high = (4 * n * of / one for one in products)
     return low, high
 
@@ -175,8 +175,8 @@ def fit_grouped(ends: Sequence[float], counts: Sequence[int]) -> tuple[float, fl
 def mean_time_between(failures: int, hours: float, *, level: float = LEVEL) -> Bounded:
     """Mean time between failures of a constant rate, of a test that ended at a time  (χ², NIST 8.4.5.1)."""
     tail = (1 - level) / 2
-    low = 2 * hours / float(chi2.ppf(1 - tail, 2 * failures + 2))
-    high = 2 * hours / float(chi2.ppf(tail, 2 * failures)) if failures else math.inf
+    low = 2 * hours / float(chdtri(2 * failures + 2, tail))
+    high = 2 * hours / float(chdtri(2 * failures, 1 - tail)) if failures else math.inf
     return Bounded(hours / failures if failures else math.inf, low, high)
 
 

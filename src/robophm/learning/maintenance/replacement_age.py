@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import minimize_scalar
 
 from robophm.life.distribution import LifeDistribution
 
@@ -90,6 +89,8 @@ def best_age(life: LifeDistribution, costs: Costs, *, seed: int = 0) -> Policy:
 
 def _least(cost: Callable[[Array], Array], low: float, high: float) -> tuple[float, float]:
     """The place and value of the least cost: on a logarithmic grid, then between its neighbours."""
+    from scipy.optimize import minimize_scalar  # takes longer to load than most commands to answer
+
     grid = np.geomspace(low, high, _GRID)
     values = cost(grid)
     k = int(np.nanargmin(values))

@@ -17,9 +17,9 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq
 from scipy.special import betainc
 
+from robophm.core.root import root
 from robophm.learning.rates.fleet import Nodes, nodes_of, pooled
 from robophm.learning.rates.gamma_poisson import LEVELS, Array, update
 from robophm.learning.rates.rate_update import Promised
@@ -71,7 +71,7 @@ def _where(rising: Callable[[float], float]) -> float:
         return 0.0
     if rising(high) <= 0:
         return math.inf
-    return math.exp(brentq(lambda log: rising(math.exp(log)), math.log(low), math.log(high), xtol=1e-5))
+    return math.exp(root(lambda log: rising(math.exp(log)), math.log(low), math.log(high), within=1e-5))
 
 
 class CohortComparison(NamedTuple):

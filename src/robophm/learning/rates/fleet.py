@@ -19,9 +19,9 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq
 from scipy.special import gammainc, gammaln, xlogy
 
+from robophm.core.root import root
 from robophm.learning.rates.gamma_poisson import (
     LEVELS,
     Array,
@@ -180,7 +180,7 @@ def pooled(promise: ExpectedFailures, found: Posterior) -> StatedRateRatio:
     elif short(0.0) == 0 or not short(-reach) < 0 < short(reach):
         times = 1.0
     else:
-        times = math.exp(brentq(short, -reach, reach, xtol=1e-14, rtol=1e-14))
+        times = math.exp(root(short, -reach, reach, within=1e-14))
 
     def below(g: float) -> float:
         promised = promise.to_all(g) if found.expected > 0 else 0.0
@@ -228,7 +228,7 @@ def _about(promise: ExpectedFailures, found: Posterior) -> float:
     ends = -promise.reach, promise.reach
     if not short(ends[0]) < 0 < short(ends[1]):
         return 0.0
-    return promise.beta * float(brentq(short, *ends, xtol=1e-9))
+    return promise.beta * root(short, *ends, within=1e-9)
 
 
 def _steps(at: Array) -> Array:

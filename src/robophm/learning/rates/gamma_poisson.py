@@ -23,8 +23,9 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq
 from scipy.special import betainc, betaincc, betaln, gammainc, gammaincinv, gammaln
+
+from robophm.core.root import root
 
 Array = npt.NDArray[np.float64]
 
@@ -125,7 +126,7 @@ def quantile(share_below: Callable[[float], float], level: float, reach: float) 
         return -reach
     if share_below(reach) <= level:
         return reach
-    return float(brentq(lambda u: share_below(u) - level, -reach, reach, xtol=1e-12, rtol=1e-12))
+    return root(lambda u: share_below(u) - level, -reach, reach, within=1e-12)
 
 
 def interval(share_below: Callable[[float], float], estimate: float, reach: float = 600.0) -> tuple[float, float]:
@@ -187,7 +188,7 @@ def shape_between(low: float, high: float) -> float:
         return VAGUEST
     if wanted <= width(ends[1]):
         return 1e12
-    return math.exp(brentq(lambda log_shape: width(log_shape) - wanted, *ends, xtol=1e-13))
+    return math.exp(root(lambda log_shape: width(log_shape) - wanted, *ends, within=1e-13))
 
 
 def gamma_by_quantiles(low: float, median: float) -> tuple[float, float]:
@@ -205,5 +206,5 @@ def gamma_by_quantiles(low: float, median: float) -> tuple[float, float]:
         return float(gammaincinv(a, 0.95) / gammaincinv(a, 0.5)) - wanted
 
     # The wider the two lie apart the smaller is the shape.
-    shape = math.exp(brentq(miss, -4.0, 20.0, xtol=1e-14))
+    shape = math.exp(root(miss, -4.0, 20.0, within=1e-14))
     return shape, float(gammaincinv(shape, 0.5)) * median

@@ -20,7 +20,6 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import PchipInterpolator
 
 from robophm.core.errors import DataError, ModelError
 from robophm.learning.rates.fleet import Indices
@@ -125,6 +124,8 @@ class Tabulated:
 
     def __init__(self, grid: Array, promised: Array, beta: float) -> None:
         """Interpolate ``promised``, expected failures of shape (robots, points), over an ascending ``grid`` of ln θ."""
+        from scipy.interpolate import PchipInterpolator  # takes longer to load than most commands to answer
+
         self.beta, self._grid, self._promised = beta, grid, promised
         self.each = [PchipInterpolator(grid, np.log(np.clip(one, 1e-300, 1e300))) for one in promised]
         self.all = PchipInterpolator(grid, np.log(np.clip(promised.sum(axis=0), 1e-300, 1e300)))

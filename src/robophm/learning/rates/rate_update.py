@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import gammaln
-from scipy.stats import chi2
+from scipy.special import chdtri, gammaln
 
 from robophm.core.errors import DataError, UnitError
 from robophm.core.spread import deviation_of
@@ -123,8 +122,8 @@ class UnstatedRate:
         """Return its 90 % interval, exact (Garwood, Biometrika 28, 1936); of no failure, below the second with 95 %."""
         if not self.exposure > 0:
             return 0.0, math.inf
-        low = float(chi2.ppf(0.05, 2 * self.failures)) if self.failures else 0.0
-        return low / (2 * self.exposure), float(chi2.ppf(0.95, 2 * self.failures + 2)) / (2 * self.exposure)
+        low = float(chdtri(2 * self.failures, 0.95)) if self.failures else 0.0
+        return low / (2 * self.exposure), float(chdtri(2 * self.failures + 2, 0.05)) / (2 * self.exposure)
 
 
 def unstated(robot: Robot, seen: Iterable[Seen]) -> list[UnstatedRate]:

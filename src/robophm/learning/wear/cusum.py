@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robophm.core.errors import DataError
+from robophm.core.root import root
 
 Array = npt.NDArray[np.float64]
 
@@ -159,11 +160,10 @@ def false_alarm_rate(highest: Array, limit: float) -> float:
 
 def _limit_for(highest: Array, rate: float) -> float:
     least, most = 1e-3, max(float(highest.max()), 1.0)
-    from scipy.optimize import brentq  # takes long to load, and most robots set no limit anew
 
     if false_alarm_rate(highest, least) <= rate:  # k alone is enough
         return least
-    return float(brentq(lambda h: false_alarm_rate(highest, h) - rate, least, most, xtol=1e-3))
+    return root(lambda h: false_alarm_rate(highest, h) - rate, least, most, within=1e-3)
 
 
 @dataclass(frozen=True)
