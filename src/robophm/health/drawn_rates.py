@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.special import gammaincinv, ndtri
 
 from robophm.core.spread import deviation_of
@@ -60,6 +59,8 @@ def _levels(key: str, count: int, seed: int) -> Array:
 
 def drawn_together(robot: Robot, modes: Sequence[int]) -> list[list[int]]:
     """Places in a list of uncertain modes, by the unknowns that they share, directly or through others."""
+    from scipy.sparse.csgraph import connected_components  # takes a fifteenth of a second to load
+
     unknowns: dict[str, int] = {}
     pairs = []
     for place, i in enumerate(modes):
