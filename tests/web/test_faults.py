@@ -31,7 +31,7 @@ def works(hours: float, lidar: float = 30e-6) -> float:
 def test_failure_modes_of_the_design_alone(shared_small: Served) -> None:
     found = shared_small.get("/api/analysis/fmea", hours=2000)
     (table,) = found["tables"]
-    rows = {row[1]: dict(zip(table["columns"], row, strict=True)) for row in table["rows"]}
+    rows = {row[0]: dict(zip(table["columns"], row, strict=True)) for row in table["rows"]}
     assert rows.keys() == {"drive/motor", "drive/encoder", "see/lidar", "see/camera"}
     assert rows["drive/motor"]["end effect"] == "the robot fails"
     assert rows["see/lidar"]["end effect"] == "redundancy is lost"

@@ -44,6 +44,19 @@ def fmeca_rows(found: Sequence[Effect], coverage: Mapping[str, Mapping[str, floa
     return rows
 
 
+def fmeca_table(
+    found: Sequence[Effect], coverage: Mapping[str, Mapping[str, float]]
+) -> tuple[list[str], list[tuple[str, ...]]]:
+    """Return headings and rows for people to read: texts first, then figures from the third column to the last but one.
+
+    What the part itself does is in its name here; a spreadsheet has it in full.
+    """
+    order = [COLUMNS.index(name) for name in ("failure mode", "function", "end effect", *COLUMNS[9:], *COLUMNS[4:9])]
+    short = {"severity": "S", "occurrence": "O", "detection": "D"}
+    rows = [tuple(row[i] for i in order) for row in fmeca_rows(found, coverage)]
+    return [short.get(COLUMNS[i], COLUMNS[i]) for i in order], rows
+
+
 def unknown_words(found: Sequence[Effect]) -> Iterable[str]:
     """A note on failure modes of unknown rate; empty where there are none."""
     if count := sum(one.unknown for one in found):
@@ -73,13 +86,8 @@ def _sections(
 ) -> Iterable[Html | str]:
     yield f"Failure modes, effects and criticality within {number_text(hours)} h of operation of a new robot."
     yield from unknown_words(found)
-    # What the part itself does is in its name here; a spreadsheet has it in full.
-    order = [COLUMNS.index(name) for name in ("failure mode", "function", "end effect", *COLUMNS[9:], *COLUMNS[4:9])]
-    rows = [tuple(row[i] for i in order) for row in fmeca_rows(found, coverage)]
-    short = {"severity": "S", "occurrence": "O", "detection": "D"}
-    columns = [short.get(COLUMNS[i], COLUMNS[i]) for i in order]
     caption = "The highest risk priority number first"
-    yield section("Failure modes", table_html(columns, rows, caption, "lllrrrrrrrrrl"))
+    yield section("Failure modes", table_html(*fmeca_table(found, coverage), caption, "lllrrrrrrrrrl"))
     sensors = list(dict.fromkeys(sensor for sees in coverage.values() for sensor in sees))
     if sensors:
         matrix = [(mode, *(sees.get(sensor) for sensor in sensors)) for mode, sees in coverage.items()]

@@ -20,7 +20,7 @@ from robophm.learning.diagnosis.coverage_matrix import coverage, detection_proba
 from robophm.learning.life_data.distribution_fitting import as_good_as_best
 from robophm.learning.life_data.observed_lives import read_life_data
 from robophm.report.fit_page import fit_rows
-from robophm.report.fmeca_page import COLUMNS, fmeca_rows, unknown_words
+from robophm.report.fmeca_page import fmeca_table, unknown_words
 from robophm.report.learned_rates import contradictions, learned_rows, unstated_text
 from robophm.report.suspects import coverage_rows, nothing_failed, suspect_rows, unknown_suspects
 from robophm.report.words import number_text
@@ -89,10 +89,10 @@ def get_fmea(service: Served, hours: Hours = 1000.0) -> FoundTables:
     few_enough(prepared, "fmeca")
     robot = prepared.robot
     found = effects(prepared.new, hours, detection_probabilities(robot, []))
-    rows = [list(row) for row in fmeca_rows(found, coverage(robot, []))]
+    columns, rows = fmeca_table(found, coverage(robot, []))
     title = f"What failures do within {number_text(hours)} h of operation of a new robot"
     return FoundTables(
-        tables=[table_of(title, list(COLUMNS), rows, (4, 5, 6, 7, *range(9, len(COLUMNS))))],
+        tables=[table_of(title, columns, [list(row) for row in rows], range(3, len(columns) - 1))],
         notes=[*unknown_words(found)],
     )
 
