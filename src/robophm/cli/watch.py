@@ -9,7 +9,7 @@ import sys
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack, contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -63,6 +63,9 @@ ENDS_BY_ITSELF = True
 
 QUICK_END = 2.5
 """The most seconds in which what was heard is taken once it is to end; what still waits then is let go of."""
+
+LOOK_EVERY, MOST_OTHERS = 5.0, 100
+"""Seconds between two looks for robots that came later, and how many are told of."""
 
 
 @dataclass(frozen=True)
@@ -324,13 +327,31 @@ def _watch_several(watching: _Watching, source: LiveSource) -> list[End]:
         finally:
             shared.parts[name].close()
 
-    with ThreadPoolExecutor(len(names), "robophm") as pool:
-        ends = [pool.submit(one, name) for name in names]
+    over = threading.Event()
+    looking = threading.Thread(target=_tell_of_others, args=(source, asked.robots or "", names, over), daemon=True)
+    looking.start()
+    try:
+        with ThreadPoolExecutor(len(names), "robophm") as pool:
+            ends = [pool.submit(one, name) for name in names]
+    finally:
+        over.set()
     failed = [error for end in ends if (error := end.exception())]
     failed.sort(key=lambda error: isinstance(error, EndedBeforeError))
     if failed:
         raise failed[0]
     return [end.result() for end in ends]
+
+
+def _tell_of_others(source: LiveSource, pattern: str, watched: Sequence[str], over: threading.Event) -> None:
+    """Warn of each robot that matches and was not heard yet when the watch began, for it is not watched."""
+    told = {*watched}
+    while not over.wait(LOOK_EVERY) and len(told) < len(watched) + MOST_OTHERS:
+        with suppress(SourceError):  # none is heard now, or the source cannot be asked
+            for name in robots_of(source, pattern):
+                if name not in told:
+                    told.add(name)
+                    warn(f"robot {name} was not heard when this watch began, and is not watched; expected a new start, "
+                         "or its name in --robots, which is waited for")  # fmt: skip
 
 
 def _to_ros(robot: Robot, opened: RunningRobot, asked: Watched) -> tuple[HealthTopics | None, TaskAssessor | None]:

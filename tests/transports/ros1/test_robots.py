@@ -7,10 +7,12 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import pytest
 
+from robophm.cli import watch
 from robophm.core.errors import SourceError, StoreError
 from robophm.design.file import parse
 from robophm.health.exposure import ExposureIntegrator
@@ -89,6 +91,27 @@ def test_each_robot_that_matches_has_its_own_figures_topics_and_past(system: Sys
             hotter.append(float(lived.effective.value[0] / lived.age.value[0]))
     assert hotter == sorted(hotter)
     assert hotter[2] > 2 * hotter[0]
+
+
+def test_who_comes_later_is_told_of(
+    system: System, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Once each, while watching goes on; one that does not match is not."""
+    system.start_master()
+    over = threading.Event()
+    monkeypatch.setattr(watch, "LOOK_EVERY", 0.05)
+    with Ros1(system.uri) as source:
+        looking = threading.Thread(target=watch._tell_of_others, args=(source, "amr_*", ["amr_1"], over))
+        looking.start()
+        try:
+            system.talk(TALK)
+            said = ""
+            while said.count("was not heard when this watch began") < 2:
+                said += capsys.readouterr().err
+        finally:
+            over.set()
+            looking.join()
+    assert [name for name in (*ROBOTS, "arm_1") if f"robot {name} " in said] == ["amr_2", "amr_3"]
 
 
 def test_others_are_not_for_several_robots() -> None:
