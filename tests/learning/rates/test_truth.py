@@ -37,11 +37,11 @@ def lives(path, life, robots, seed):
     )  # fmt: skip
     lived = live(design, plans, HOURS, np.random.default_rng(seed))
     found = [[] for _ in range(robots)]
-    for robot, parts, times, what in lived.events:
-        if what in (FAILED, REPLACED):
-            for r, part, time in zip(robot.tolist(), parts.tolist(), times.tolist(), strict=True):
+    for one in lived.events:
+        if one.what in (FAILED, REPLACED):
+            for r, part, time in zip(one.robots.tolist(), one.parts.tolist(), one.times.tolist(), strict=True):
                 if part != ROBOT and time < HOURS * HOUR:
-                    found[r].append((time / HOUR, what))
+                    found[r].append((time / HOUR, one.what))
     return [sorted(one) for one in found]
 
 
