@@ -73,7 +73,7 @@ def made(schema: dict[str, Any], draw: random.Random, depth: int = 0) -> Any:
 
 
 def request(draw: random.Random, host: bytes, token: str | None) -> tuple[bytes, str, bool]:
-    """A request as its route describes it, but for what is odd in it; its path; whether its headers are as they should be."""
+    """A request as its route describes it but for what is odd, its path, and whether its headers are fine."""
     method, path, said = draw.choice(OPERATIONS)
     for name in ("name", "number"):
         path = path.replace(
