@@ -17,6 +17,7 @@ from fastapi.routing import APIRoute
 from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
 from starlette.middleware.gzip import GZipMiddleware
+from starlette.requests import ClientDisconnect
 from starlette.staticfiles import StaticFiles
 
 from robophm.core.errors import RobophmError
@@ -87,6 +88,7 @@ def api(**more: Any) -> FastAPI:
     app.add_exception_handler(HTTPException, _http)
     app.add_exception_handler(RecursionError, _too_deep)
     app.add_exception_handler(UnicodeEncodeError, _no_text)
+    app.add_exception_handler(ClientDisconnect, _left)
     app.add_exception_handler(Exception, _our_fault)
     return app
 
@@ -151,6 +153,10 @@ async def _too_deep(request: Request, error: Exception) -> JSONResponse:
 
 async def _no_text(request: Request, error: Exception) -> JSONResponse:
     return _said(422, "what was sent has half characters in it; expected Unicode")
+
+
+async def _left(request: Request, error: Exception) -> JSONResponse:
+    return _said(400, "who asked has left")  # which nobody hears
 
 
 async def _our_fault(request: Request, error: Exception) -> JSONResponse:

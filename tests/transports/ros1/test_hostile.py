@@ -11,10 +11,9 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import closing, suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any
-from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 
@@ -26,74 +25,7 @@ from robophm.transports.ros1.xmlrpc import call
 
 from ..listener import Heard, within
 from .conftest import LOOPBACK, System, free_port
-
-Behaviour = Callable[[socket.socket], None]
-
-
-class Evil:
-    """A node that registers like any other and then does with each connection what it likes."""
-
-    def __init__(self, ros: System, topic: str, behaviour: Behaviour, protocol: Any = None) -> None:
-        self._data = socket.create_server((LOOPBACK, 0))
-        self.connections = 0
-        self._connection: socket.socket | None = None
-        self._behaviour = behaviour
-        self._calls = SimpleXMLRPCServer((LOOPBACK, 0), logRequests=False, allow_none=True)
-        answer = protocol if protocol is not None else ["TCPROS", LOOPBACK, self._data.getsockname()[1]]
-        self._calls.register_function(lambda *_: [1, "", answer], "requestTopic")
-        self._calls.register_function(lambda *_: [1, "", 0], "publisherUpdate")
-        self._threads = [
-            threading.Thread(target=self._calls.serve_forever, args=(0.05,)),
-            threading.Thread(target=self._serve),
-        ]
-        for thread in self._threads:
-            thread.start()
-        self._registration = (f"/evil{topic.replace('/', '_')}", topic)
-        self.uri = f"http://{LOOPBACK}:{self._calls.server_address[1]}/"
-        self._master = ros.uri
-        call(ros.uri, "registerPublisher", self._registration[0], topic, "std_msgs/Float64", self.uri)
-
-    def _serve(self) -> None:
-        while True:
-            try:
-                connection, _ = self._data.accept()
-            except OSError:
-                return
-            self.connections += 1
-            self._connection = connection
-            with closing(connection), suppress(OSError):
-                connection.settimeout(10)
-                connection.recv(4096)  # the subscriber's header
-                self._behaviour(connection)
-
-    def close(self) -> None:
-        call(self._master, "unregisterPublisher", *self._registration, self.uri)
-        self._data.shutdown(socket.SHUT_RDWR)
-        self._data.close()
-        if self._connection:
-            with suppress(OSError):
-                self._connection.shutdown(socket.SHUT_RDWR)
-        self._calls.shutdown()
-        self._calls.server_close()
-        for thread in self._threads:
-            thread.join()
-
-
-def header(type_: str = "std_msgs/Float64", definition: str | None = None, **other: str) -> bytes:
-    text = known_definition(type_) if definition is None else definition
-    fields = {"callerid": "/evil", "type": type_, "message_definition": text, "md5sum": "*"}
-    return encoded(fields | other)
-
-
-def message(raw: bytes) -> bytes:
-    return struct.pack("<I", len(raw)) + raw
-
-
-def waits(connection: socket.socket) -> None:
-    """Until the other side has enough."""
-    with suppress(OSError):
-        while connection.recv(4096):
-            pass
+from .evil_peer import Behaviour, Evil, header, listening_node, message, sends, waits
 
 
 @pytest.fixture
@@ -107,15 +39,6 @@ def evil(ros: System) -> Iterator[Callable[..., Evil]]:
     yield make
     for each in made:
         each.close()
-
-
-def sends(*pieces: bytes) -> Behaviour:
-    def behave(connection: socket.socket) -> None:
-        for piece in pieces:
-            connection.sendall(piece)
-        waits(connection)
-
-    return behave
 
 
 def drips(connection: socket.socket) -> None:
@@ -240,6 +163,14 @@ def test_answers_that_offer_nothing(ros: System, live: Ros1, evil: Callable[...,
     assert live.notes["internal error"] == 0
 
 
+def refused_with(why: bytes) -> bytes:
+    """A call is refused, with a value of XML-RPC as the reason."""
+    parts = b"<value><int>0</int></value>" + why + b"<value><int>0</int></value>"
+    params = b"<params><param><value><array><data>%s</data></array></value></param></params>" % parts
+    body = b"<methodResponse>%s</methodResponse>" % params
+    return b"HTTP/1.0 200 OK\r\nContent-Length: %d\r\n\r\n%s" % (len(body), body)
+
+
 @pytest.mark.parametrize(
     "answer",
     [
@@ -251,6 +182,7 @@ def test_answers_that_offer_nothing(ros: System, live: Ros1, evil: Callable[...,
         b"HTTP/1.0 200 OK\r\n" + b"X: y\r\n" * 100_000,
         b"HTTP/1.0 200 OK\r\nContent-Length: 80\r\n\r\n<?xml version='1.0'?><!DOCTYPE a [<!ENTITY b 'bbbbbbbbb'>]><a>"
         + b"&b;" * 10,
+        refused_with(b"<value><array><data>" * 5000 + b"</data></array></value>" * 5000),
     ],
 )
 def test_calls_to_a_master_that_is_none(answer: bytes) -> None:
@@ -289,6 +221,7 @@ def test_calls_and_subscribers_that_are_none_do_not_reach_the_node(ros: System) 
             b"",
             generator.randbytes(50_000),
             b"POST / HTTP/1.0\r\nContent-Length: 9999999999\r\n\r\n",
+            b"POST / HTTP/1.0\r\nContent-Length: 5000000\r\n\r\n",  # seconds of reading, for all that wait
             b"\r\n\r\n",
         ]
         headers = [
@@ -304,7 +237,7 @@ def test_calls_and_subscribers_that_are_none_do_not_reach_the_node(ros: System) 
                     connection.sendall(piece)
                     if piece:
                         connection.recv(4096)
-        assert node.notes["malformed call"] >= 5
+        assert node.notes["malformed call"] >= 6
         assert node.notes["subscriber refused"] == len(headers)
         assert call(node.uri, "getPid", "/test") > 0
         silent = [socket.create_connection((LOOPBACK, slave)) for _ in range(20)]
@@ -314,6 +247,48 @@ def test_calls_and_subscribers_that_are_none_do_not_reach_the_node(ros: System) 
         out.publish(out.types["std_msgs/msg/Float64"](data=6.5))
         assert "data: 6.5" in ros.run("/usr/bin/rostopic", "echo", "-n", "1", "/own")
         assert node.notes["internal error"] == 0
+
+
+def test_who_says_nothing_keeps_out_nobody_who_calls(ros: System, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("robophm.transports.ros1.loop.MOST_GUESTS", 10)
+    with Node(None, ros.uri) as node, ExitStack() as stack:
+        for port in (int(node.uri.rsplit(":", 1)[1].strip("/")), node.port):
+            for _ in range(15):
+                stack.enter_context(socket.create_connection((LOOPBACK, port)))
+        assert call(node.uri, "getPid", "/test") > 0
+        assert node.notes["connection closed: too many"] >= 20
+        assert node.notes["connection refused: too many"] == 0
+
+
+def test_publishers_that_do_not_answer_hold_up_no_other_topic(ros: System, live: Ros1) -> None:
+    """A hundred of one topic take a call and stay silent for three seconds each."""
+    heard = Heard(live, "/good.data", "/lied.data")
+    slave = listening_node(live)
+    with socket.create_server((LOOPBACK, 0)) as silent:
+        uris = [f"http://{LOOPBACK}:{silent.getsockname()[1]}/{number}" for number in range(100)]
+        call(slave.uri, "publisherUpdate", "/master", "/lied", uris)
+        with Node(None, ros.uri) as node, Publisher(node, "/good", "std_msgs/Float64", latched=True) as good:
+            good.publish(good.types["std_msgs/msg/Float64"](data=1.5))
+            node.register()
+            within(3, lambda: heard.of("/good.data") == [1.5])
+
+
+def test_a_publisher_that_changes_its_address_holds_only_so_many_connections(
+    ros: System, live: Ros1, evil: Callable[..., Evil], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("robophm.transports.ros1.subscription.MOST_UNKNOWN", 5)
+    with ExitStack() as kept:
+
+        def holds(connection: socket.socket) -> None:
+            kept.enter_context(connection.dup()).sendall(header())
+
+        moving = evil("/other", holds)
+        Heard(live, "/lied.data")
+        slave = listening_node(live)
+        for number in range(20):
+            call(slave.uri, "publisherUpdate", "/master", "/lied", [f"{moving.uri}{number}"])
+            within(5, lambda: moving.connections > number)  # noqa: B023
+        within(5, lambda: 0 < len(call(slave.uri, "getBusInfo", "/test")) <= 6)
 
 
 def test_mutated_messages_are_read_or_counted(ros: System, live: Ros1, evil: Callable[..., Evil]) -> None:

@@ -18,8 +18,8 @@ MOST_HELD = 128 << 20
 """Bytes of unfinished messages over all sockets, beyond which the one that holds most is closed."""
 
 MOST_GUESTS = 500
-"""Connections that others have made to us, beyond which one more is refused: two who take all topics of a robot of 200
-parts, and well below the 1,024 files that a process may commonly have open."""
+"""Connections that others have made to us, beyond which one that still has to say what it wants is closed, or none more
+taken: two who take all topics of a robot of 200 parts, and well below the 1,024 files that a process may have open."""
 
 _READ, _MOST_READ = 1 << 16, 1 << 20
 """Bytes received at once, twice as many as before where there were so many. Memory for more is asked of the operating
@@ -246,7 +246,11 @@ class Loop(threading.Thread):
         except OSError:
             return
         if sum(peer.guest for peer in self.peers) >= MOST_GUESTS:
-            self.notes.add("connection refused: too many")
-            connection.close()
-        else:
-            self.add(make(connection))
+            waiting = [(peer.deadline, id(peer), peer) for peer in self.peers if peer.guest and peer.deadline]
+            if not waiting:
+                self.notes.add("connection refused: too many")
+                connection.close()
+                return
+            self.notes.add("connection closed: too many")
+            min(waiting)[2].close()  # of those that say nothing, the one that has done so for longest
+        self.add(make(connection))

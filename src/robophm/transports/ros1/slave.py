@@ -12,7 +12,7 @@ from xmlrpc.server import SimpleXMLRPCDispatcher
 from robophm.transports.ros1.environment import Place
 from robophm.transports.ros1.loop import Loop, Peer
 from robophm.transports.ros1.served_subscriber import Publication
-from robophm.transports.ros1.xmlrpc import CALL_SECONDS, LONGEST_HEAD, body_length, parsed
+from robophm.transports.ros1.xmlrpc import CALL_SECONDS, LONGEST_CALL, LONGEST_HEAD, body_length, parsed
 from robophm.transports.signals.incidents import Incidents
 
 MOST_PUBLISHERS = 1000
@@ -36,7 +36,7 @@ class Caller(Peer):
                 self._refuse()
             return
         try:
-            whole = end + 4 + body_length(bytes(self.received[:end]))
+            whole = end + 4 + body_length(bytes(self.received[:end]), LONGEST_CALL)
         except ValueError:
             self._refuse()
         if len(self.received) >= whole and not self._answered:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import socket
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
@@ -21,8 +22,15 @@ from robophm.transports.signals.incidents import PeerError, TypeRefusedError
 FIRST_WAIT, LONGEST_WAIT = 0.25, 10.0
 """Seconds before a connection is tried again: doubled with every failure."""
 
-CONNECTORS = 8
-"""Connections made at the same time."""
+CONNECTORS, CONNECTORS_OF_TOPIC = 8, 4
+"""Connections made at the same time, and how many of one topic, so that who does not answer holds up no other."""
+
+MOST_STREAMS, MOST_STREAMS_OF_TOPIC = 400, 100
+"""Connections to publishers, and how many on one topic: well below the files that a process may have open."""
+
+MOST_UNKNOWN = 50
+"""Connections on a topic that are kept though the master does not know their publishers: it may have been started anew.
+"""
 
 
 class Subscription:
@@ -90,21 +98,39 @@ class Subscription:
         return lambda uris: self._node.loop.post(lambda: self._heard(topic, uris))
 
     def _heard(self, topic: str, uris: list[str]) -> None:
-        self._publishers[topic] = uris
-        for key in [key for key in self._failures if key[0] == topic and key[1] not in uris]:
+        self._publishers[topic], known = uris, set(uris)
+        for key in [key for key in self._failures if key[0] == topic and key[1] not in known]:
             del self._failures[key]
+        unknown = [stream for key, stream in self._streams.items() if key[0] == topic and key[1] not in known]
+        for stream in unknown[MOST_UNKNOWN:]:
+            stream.close()
         self._connect_all()
 
     def _connect_all(self) -> None:
-        now = time.monotonic()
+        """Begin to connect to as many publishers as may be at once; to the others when one of these is done."""
+        for _ in range(CONNECTORS - len(self._connecting)):
+            if self._closed or not (key := self._next()):
+                return
+            self._connecting.add(key)
+            with suppress(RuntimeError):  # closed meanwhile
+                self._pool.submit(self._connect, *key)
+
+    def _next(self) -> tuple[str, str] | None:
+        """The publisher that is to be connected next: of the topic with the fewest connections, who failed least."""
+        now, due = time.monotonic(), list[tuple[int, int, tuple[str, str]]]()
+        making, made = (Counter(topic for topic, _ in keys) for keys in (self._connecting, self._streams))
+        if len(self._streams) + len(self._connecting) >= MOST_STREAMS:
+            return None
         for topic, uris in self._publishers.items():
+            if making[topic] >= CONNECTORS_OF_TOPIC or making[topic] + made[topic] >= MOST_STREAMS_OF_TOPIC:
+                continue
             for uri in uris:
                 key = topic, uri
-                if key in self._streams or key in self._connecting or self._failures.get(key, (0, 0.0))[1] > now:
-                    continue
-                with suppress(RuntimeError):  # closed
-                    self._pool.submit(self._connect, topic, uri)
-                    self._connecting.add(key)
+                if key not in self._streams and key not in self._connecting:
+                    failures, when = self._failures.get(key, (0, 0.0))
+                    if when <= now:
+                        due.append((making[topic] + made[topic], failures, key))
+        return min(due)[2] if due else None
 
     def _connect(self, topic: str, uri: str) -> None:
         """Connect in a thread of the pool: this may take its time."""
@@ -139,6 +165,7 @@ class Subscription:
     def _not_now(self, key: tuple[str, str]) -> None:
         self._connecting.discard(key)
         self._failed(key)
+        self._connect_all()
         self._settle()
 
     def _failed(self, key: tuple[str, str]) -> None:
@@ -155,6 +182,7 @@ class Subscription:
         stream = Stream(self._node.loop, connection, key[1], reading, self._hearing, self._lost)
         self._streams[key] = stream
         self._node.loop.add(stream)
+        self._connect_all()
         self._settle()
 
     def _all_registered(self) -> None:

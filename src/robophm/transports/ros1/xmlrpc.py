@@ -11,8 +11,11 @@ from robophm.core.errors import SourceError
 from robophm.transports.ros1.environment import address
 from robophm.transports.signals.incidents import PeerError
 
-LONGEST_BODY = 8 << 20
-"""Bytes of a call or an answer. The state of a system of 1,000 topics takes about 200,000."""
+LONGEST_ANSWER = 8 << 20
+"""Bytes of an answer. The state of a system of 1,000 topics takes about 200,000."""
+
+LONGEST_CALL = 1 << 18
+"""Bytes of a call to us, which is read by the thread that serves all connections: 1,000 publishers take 150,000."""
 
 LONGEST_HEAD = 16 << 10
 """Bytes of an HTTP head."""
@@ -30,13 +33,15 @@ def call(uri: str, method: str, *arguments: Any) -> Any:
         answer = _exchange(uri, xmlrpc.client.dumps(arguments, method).encode())
         ((code, message, value),) = parsed(answer)[0]
     except xmlrpc.client.Fault as fault:
-        raise PeerError(f"{uri}: {method}: {str(fault.faultString)[:200]}", "call refused") from None
+        why = fault.faultString if isinstance(fault.faultString, str) else "a fault without words"
+        raise PeerError(f"{uri}: {method}: {why[:200]}", "call refused") from None
     except (OSError, SourceError) as error:
         raise PeerError(f"{uri}: {method}: no answer: {error}", "call without answer") from None
     except Exception as error:  # the parser of the answer raises whatever it comes upon
         raise PeerError(f"{uri}: {method}: no ROS answer ({type(error).__name__})", "malformed answer") from None
     if code != 1:
-        raise PeerError(f"{uri}: {method}: {str(message)[:200]}", "call refused")
+        why = message if isinstance(message, str) else "no reason in words"  # of lists in lists no text can be made
+        raise PeerError(f"{uri}: {method}: {why[:200]}", "call refused")
     return value
 
 
@@ -50,13 +55,13 @@ def parsed(body: bytes) -> tuple[tuple[Any, ...], str | None]:
     return xmlrpc.client.loads(body)
 
 
-def body_length(head: bytes) -> int:
-    """Return the bytes that follow an HTTP head. Raises ValueError where it does not say, or more than LONGEST_BODY."""
+def body_length(head: bytes, most: int) -> int:
+    """Return the bytes that follow an HTTP head. Raises ValueError where it does not say, or more than ``most``."""
     for line in head.split(b"\r\n")[1:]:
         name, _, value = line.partition(b":")
         if name.strip().lower() == b"content-length":
             length = int(value)
-            if 0 <= length <= LONGEST_BODY:
+            if 0 <= length <= most:
                 return length
     raise ValueError("no Content-Length that is believed")
 
@@ -76,7 +81,7 @@ def _exchange(uri: str, body: bytes) -> bytes:
                 if len(received) > LONGEST_HEAD:
                     raise ValueError("endless head")
                 receive(connection, received, deadline)
-        length = body_length(bytes(received[:end]))
+        length = body_length(bytes(received[:end]), LONGEST_ANSWER)
         while len(received) < end + 4 + length:
             receive(connection, received, deadline)
         return bytes(received[end + 4 : end + 4 + length])
