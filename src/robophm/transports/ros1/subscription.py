@@ -99,6 +99,10 @@ class Subscription:
 
     def _heard(self, topic: str, uris: list[str]) -> None:
         self._publishers[topic], known = uris, set(uris)
+        if len(known) > MOST_STREAMS_OF_TOPIC:
+            self._notes.add(f"more than {MOST_STREAMS_OF_TOPIC} publishers, not all of them heard: {topic}")
+        if sum(map(len, self._publishers.values())) > MOST_STREAMS:
+            self._notes.add(f"more than {MOST_STREAMS} publishers, not all of them heard")
         for key in [key for key in self._failures if key[0] == topic and key[1] not in known]:
             del self._failures[key]
         unknown = [stream for key, stream in self._streams.items() if key[0] == topic and key[1] not in known]
