@@ -154,7 +154,7 @@ def test_a_real_fish_completes(program):
     done = subprocess.run(["fish", "--no-config", "-c", script], capture_output=True, text=True, check=True)
     found = {line.partition("\t")[0] for line in done.stdout.splitlines()}
     assert found == {"import-bom", "import-legacy", "importance", "--at"}
-    assert "What matters most to a robot's health" in done.stdout
+    assert "Rank parts by their importance" in done.stdout
 
 
 @pytest.mark.full
@@ -201,7 +201,7 @@ def test_standard_input_is_read_where_a_file_is(run, design):
         assert given.stdout.replace("-: ", "robot.yaml: ") == read.stdout
     wrong = subprocess.run([*command, "check", "-"], input="name: 3\n", capture_output=True, text=True)
     assert (wrong.returncode, wrong.stdout) == (3, "")
-    assert wrong.stderr.startswith("error: -:1: schema_version: None")
+    assert wrong.stderr.startswith("error: -:1: schema_version: not stated; expected 1")
     written = subprocess.run([*command, "bind", "-", "drive.mcap", "--yes"], input=text, capture_output=True, text=True,
                              cwd=design.parent)  # fmt: skip
     assert written.returncode == 3

@@ -171,12 +171,12 @@ import signal, sys, time
 signal.signal(signal.SIGINT, signal.default_int_handler)
 import robophm.monitoring.replay as replaying
 replaying.SAVE_EVERY = -1.0
-report = replaying.Monitor.report
-def slow(*arguments, **options):
+follow = replaying.ReportHistory.follow
+def slow(*arguments):
     print("tick", flush=True)
     time.sleep(0.2)
-    return report(*arguments, **options)
-replaying.Monitor.report = slow
+    return follow(*arguments)
+replaying.ReportHistory.follow = slow
 from robophm.cli import main
 main()
 """

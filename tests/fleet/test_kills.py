@@ -35,4 +35,4 @@ def test_nothing_is_lost_or_counted_twice_over_a_broker_that_is_killed_too(mosqu
     finally:
         broker.stop()
     assert found["reports"] == 120
-    assert found["epochs"] > 2
+    assert found["epochs"] >= 2  # more where a kill met a robot at work, as it does in most of these
