@@ -99,8 +99,9 @@ def number_of(message: SimpleNamespace) -> int | None:
     (VDA 5050, The connection topic), so that of what tells of a connection is not believed.
     """
     number = getattr(message, "headerId", None)
-    counted = type(number) is int and not hasattr(message, "connectionState")
-    return number if counted and 0 <= number <= LARGEST_NUMBER else None
+    if type(number) is not int or not 0 <= number <= LARGEST_NUMBER or hasattr(message, "connectionState"):
+        return None
+    return number
 
 
 def broken_state(raw: bytes) -> str:
