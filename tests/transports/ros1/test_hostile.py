@@ -271,6 +271,8 @@ def test_publishers_that_do_not_answer_hold_up_no_other_topic(ros: System, live:
             good.publish(good.types["std_msgs/msg/Float64"](data=1.5))
             node.register()
             within(3, lambda: heard.of("/good.data") == [1.5])
+        call(slave.uri, "publisherUpdate", "/master", "/lied", [*uris, "http://127.0.0.1:9/"])
+        within(3, lambda: live.notes["more than 100 publishers, some not heard on /lied"] == 1)
 
 
 def test_a_publisher_that_changes_its_address_holds_only_so_many_connections(
