@@ -15,7 +15,7 @@ from robophm.transports.health_topics.definitions import definition, typestore
 from robophm.transports.health_topics.message_of_fields import compose
 from robophm.transports.live.decoding import TopicDecoder
 from robophm.transports.live.receiving import Queue, Receiver
-from robophm.transports.signals.incidents import Incidents
+from robophm.transports.signals.incidents import MOST_KINDS, OTHER_KINDS, Incidents
 from robophm.transports.signals.source import Gap, WholeMessage
 from robophm.transports.tasks import TaskTopics
 
@@ -118,3 +118,14 @@ def test_a_queue_hands_on_whole_messages_in_order_and_counts_what_does_not_fit()
     queue.end()
     assert list(taken) == [Gap("/t", "queue full"), Sample(3, "/u.c", 3.0), *messages[2]]
     assert notes == {"queue full, dropped /t.a": 1, "queue full, dropped /t.b": 1}
+
+
+def test_kinds_of_incidents_have_a_bound_whatever_others_name() -> None:
+    notes = Incidents()
+    for number in range(3 * MOST_KINDS):
+        notes.add(f"{number} {'x' * 10_000}")
+        notes.add("known")
+    assert len(notes) == MOST_KINDS + 1
+    assert max(map(len, notes)) <= 500
+    assert notes["known"] == 3 * MOST_KINDS
+    assert notes[OTHER_KINDS] == 2 * MOST_KINDS + 1

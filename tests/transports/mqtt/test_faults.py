@@ -15,6 +15,7 @@ import pytest
 
 from robophm.core.errors import SourceError
 from robophm.transports.mqtt import Mqtt, address
+from robophm.transports.mqtt import source as mqtt_source
 
 from ..listener import Heard, within
 from .conftest import LOOPBACK, Broker, Robot
@@ -114,6 +115,28 @@ def test_messages_that_are_none_cost_little_and_are_counted(broker: Broker) -> N
         assert "internal error" not in source.notes
         assert max(len(info.fields) for info in source.topics()) <= 1000 + 10
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 256 * 1024
+    robot.close()
+
+
+def test_what_others_name_is_remembered_within_bounds(broker: Broker, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Names of topics and fields, of any length and number, and how many messages are missing."""
+    monkeypatch.setattr(mqtt_source, "MOST_FIELDS_OF_ALL", 150)
+    robot = Robot(broker)
+    with Mqtt(broker.address()) as source:
+        heard = Heard(source, "/last.value", "/count.value")
+        for number in range(3):
+            robot.say(f"/many{number}", {f"field{at}": at for at in range(100)})
+        robot.say("/" + "x" * 2000, {"value": 1})
+        robot.say("/long", {"y" * 2000: 1, "value": 2})
+        for number in (1, 10**400, 3):
+            robot.say("/count", {"headerId": number, "value": number})
+        robot.say("/last", {"value": 4.5})
+        within(10, lambda: heard.of("/last.value") == [4.5])
+        infos = {info.topic: info.fields for info in source.topics() if not info.topic.startswith("/t")}
+        assert sum(map(len, infos.values())) == 150
+        assert max(map(len, infos)) < 500
+        assert max(len(field) for fields in infos.values() for field in fields) < 500
+        assert source.notes["sequence gap on /count"] == 0
     robot.close()
 
 

@@ -15,7 +15,10 @@ from typing import Any
 import pytest
 
 from robophm.core.errors import SourceError
-from robophm.transports.ros1 import Node, Publisher, Ros1
+from robophm.design.file import parse
+from robophm.monitoring.task_assessor import TaskAssessor
+from robophm.transports.health_topics import Outlet, TaskService
+from robophm.transports.ros1 import Node, Publisher, Ros1, Service
 from robophm.transports.ros1.master import published_topics, system_state
 from robophm.transports.ros1.tcpros import LONGEST_MESSAGE, encoded
 from robophm.transports.ros1.xmlrpc import call
@@ -24,6 +27,7 @@ from ..hostile import FEW_AND_MANY, LONGEST, ODD, damaged, endured
 from ..listener import PATIENCE, Heard, within
 from .conftest import LOOPBACK, System
 from .evil_peer import Evil, header, listening_node, message
+from .test_service import DESIGN
 
 JOINTS = "sensor_msgs/JointState"
 CALLS = ("getPid", "getBusInfo", "publisherUpdate", "requestTopic", "paramUpdate", "getPublications", "__init__", "")
@@ -205,3 +209,38 @@ def test_answers_of_a_master_that_lies_are_refused(ros: System, liar: Liar, many
         assert time.monotonic() - begun < LONGEST * PATIENCE
 
     endured(many, hostile, lambda _: None, lambda _: call(ros.uri, "getPid", "/test") > 0)
+
+
+@FEW_AND_MANY
+def test_good_calls_of_a_service_beside_hostile_ones_are_answered(
+    ros: System, many: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROS_MASTER_URI", ros.uri)
+    monkeypatch.setenv("ROS_IP", LOOPBACK)
+    outlet = Outlet(1, Node, Publisher, Service)
+    try:
+        TaskService(outlet, TaskAssessor(parse(DESIGN)), "/hall")
+        within(5, lambda: "/hall/phm/assess_task" in system_state(ros.uri, "/test")[2])
+        found = call(ros.uri, "lookupService", "/test", "/hall/phm/assess_task")
+        port = int(found.rpartition(":")[2])
+        begins = encoded({"callerid": "/test", "service": "/hall/phm/assess_task", "md5sum": "*"})
+        asks = struct.pack("<I3d3IdI", 1, 0, 0, 1.0, 0, 0, 0, 0.0, 1)  # an hour of the whole robot, one draw
+
+        def said(raw: bytes) -> bytes:
+            with socket.create_connection((LOOPBACK, port), 5) as one:
+                one.settimeout(LONGEST * PATIENCE)
+                one.sendall(raw)
+                with one.makefile("rb") as answer:
+                    answer.read(*struct.unpack("<I", answer.read(4)))  # the header
+                    return answer.read(1)
+
+        def hostile(draw: random.Random) -> None:
+            body = draw.choice([damaged(asks, draw), asks[: draw.randrange(len(asks))], draw.randbytes(100)])
+            long = struct.pack("<I", draw.choice([*LENGTHS, len(body) + 5])) + body
+            raw = draw.choice([begins + message(body), begins + message(body), begins + long, damaged(begins, draw)])
+            with socket.create_connection((LOOPBACK, port), 5) as one, suppress(OSError):
+                one.sendall(raw)
+
+        endured(many, hostile, lambda _: None, lambda _: said(begins + message(asks)) == b"\1")
+    finally:
+        outlet.close()

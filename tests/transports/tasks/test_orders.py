@@ -7,6 +7,7 @@ fields are those that its JSON schemas require.
 from __future__ import annotations
 
 import json
+import math
 from typing import Any
 
 import pytest
@@ -109,11 +110,20 @@ def test_another_order_before_the_end_and_an_order_without_lengths_are_said() ->
     assert notes == {"/order: an order that says neither the length of its edges nor where its nodes are": 1}
 
 
+LARGE = 10**400
+"""A number of JSON that is too large for a float."""
+
+
 @pytest.mark.parametrize(
     "message",
     [{"orderId": "x", "nodes": 3}, {"orderId": "x", "nodes": [{}], "edges": []},
      {"orderId": "x", "nodeStates": None, "edgeStates": []}, {"orderId": "x", "nodeStates": [1], "edgeStates": [],
-                                                              "agvPosition": {"x": "a"}, "actionStates": []}],
+                                                              "agvPosition": {"x": "a"}, "actionStates": []},
+     order([node(0), node(1)], [edge(0, length=LARGE)]), order([node(0), node(1)], [edge(0, maxSpeed=LARGE)]),
+     order([node(0), node(1)], [edge(0) | {"sequenceId": math.inf}]),
+     state(1) | {"agvPosition": {"positionInitialized": True, "x": LARGE, "y": 0}},
+     {"feedback": 1}, {"status_list": 1}, {"status_list": [{}]}, {"result": 1, "status": 2},
+     {"goal": {"target_pose": {"pose": {"position": {"x": "a", "y": 1}}}}}],
 )  # fmt: skip
 def test_what_is_no_order_is_counted(message: dict[str, Any]) -> None:
     tasks, notes = told(message)

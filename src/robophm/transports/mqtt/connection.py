@@ -28,6 +28,9 @@ KEEP_ALIVE = 10
 LONGEST_PACKET = 2 << 20
 """Bytes of a message, beyond which a broker of MQTT 5 is told to keep it; older ones send up to 256 MiB."""
 
+LONGEST_RECEIVED = 32 << 20
+"""Bytes of a packet beyond which the connection is given up."""
+
 MOST_WAITING = 1000
 """Messages that wait to be sent; further ones are dropped."""
 
@@ -76,7 +79,7 @@ class Connection:
 
     def _opened(self, version: int) -> Any:
         package = paho()
-        client = client_of(self._place, self._name, version, self._broken)
+        client = client_of(self._place, self._name, version, self._malformed)
         client.on_connect, client.on_subscribe = self._on_connect, self._on_subscribe
         client.on_message, client.on_disconnect = self._on_message, self._on_disconnect
         client.connect_timeout = CONNECT_SECONDS
@@ -128,14 +131,21 @@ class Connection:
     def _on_message(self, _: object, __: object, message: Any) -> None:
         try:
             topic = message.topic
+        except UnicodeDecodeError:
+            self._malformed()
+            return
+        try:
             self._heard(topic.removeprefix(self._place.root) if self._place.root else f"/{topic}",
                         bytes(message.payload), bool(message.retain))  # fmt: skip
-        except Exception:  # a fault of ours, or a topic that is no UTF-8, must not end the listening
+        except Exception:  # a fault of ours must not end the listening
             self._broken()
 
     def _on_disconnect(self, *_: object) -> None:
         if self._answered.is_set() and not self._over and not self._refused:
             self._lost()
+
+    def _malformed(self) -> None:
+        self.notes.add("malformed packet of the broker")
 
     def _broken(self) -> None:
         self.notes.add("internal error")
@@ -158,7 +168,8 @@ class Connection:
 def client_of(place: Address, name: str, version: int, broken: Callable[[], None], **words: Any) -> Any:
     """Return a client of paho that is not connected yet, with the secrets of the environment, and TLS if that is asked.
 
-    ``broken`` is called in its thread after a packet that paho cannot read. Raises SourceError.
+    ``broken`` is called in its thread at a packet that paho cannot read, by which the connection is lost. Raises
+    SourceError.
     """
     client = _client_class(broken)(paho().mqtt.client.CallbackAPIVersion.VERSION2, name, protocol=version, **words)
     shown = secrets()
@@ -173,17 +184,23 @@ def client_of(place: Address, name: str, version: int, broken: Callable[[], None
 
 
 def _client_class(broken: Callable[[], None]) -> Any:
-    class Client(paho().mqtt.client.Client):  # type: ignore[misc]
-        """A client whose thread goes on after a packet that paho cannot read."""
+    mqtt = paho().mqtt
 
-        def loop_forever(self, timeout: float = 1.0, retry_first_connection: bool = False) -> Any:
-            while True:
-                try:
-                    return super().loop_forever(timeout, retry_first_connection)
-                except Exception:
-                    broken()
-                    with suppress(OSError):
-                        self.reconnect()
+    class Client(mqtt.client.Client):  # type: ignore[misc, name-defined]
+        """A client that gives up the connection, and makes it again, at a packet that paho cannot read."""
+
+        def _packet_read(self) -> Any:
+            try:
+                return super()._packet_read()
+            except Exception:  # paho lets out whatever comes of it
+                broken()
+                return mqtt.client.MQTT_ERR_PROTOCOL
+
+        def _sock_recv(self, bufsize: int) -> bytes:
+            if bufsize > LONGEST_RECEIVED:
+                raise ValueError(f"a packet of {bufsize} bytes")
+            received: bytes = super()._sock_recv(bufsize)
+            return received
 
     return Client
 

@@ -20,6 +20,12 @@ LONGEST = 1 << 20
 MOST_FIELDS = 1000
 """Fields of one topic that are listed."""
 
+LONGEST_PATH = 500
+"""Letters of a field's path, beyond which it is not listed."""
+
+LARGEST_NUMBER = (1 << 32) - 1
+"""Largest number of a message: VDA 5050 has it in 32 bits, without a sign."""
+
 MOST_ELEMENTS = 50
 """Elements of an array that are looked at for their fields."""
 
@@ -47,7 +53,7 @@ def numeric_fields(message: SimpleNamespace) -> Iterator[str]:
     found: dict[str, None] = {}
 
     def look(one: Any, prefix: str, depth: int) -> None:
-        if len(found) >= MOST_FIELDS or depth > DEEPEST:
+        if len(found) >= MOST_FIELDS or depth > DEEPEST or len(prefix) > LONGEST_PATH:
             return
         if isinstance(one, SimpleNamespace):
             for name, value in vars(one).items():
@@ -93,8 +99,9 @@ def number_of(message: SimpleNamespace) -> int | None:
     (VDA 5050, The connection topic), so that of what tells of a connection is not believed.
     """
     number = getattr(message, "headerId", None)
-    counted = type(number) is int and not hasattr(message, "connectionState")
-    return number if counted else None
+    if type(number) is not int or not 0 <= number <= LARGEST_NUMBER or hasattr(message, "connectionState"):
+        return None
+    return number
 
 
 def broken_state(raw: bytes) -> str:

@@ -6,6 +6,7 @@ import threading
 import time
 import uuid
 from collections.abc import Collection, Iterator, Mapping
+from itertools import islice
 
 from robophm.core.errors import SourceError
 from robophm.core.signal import is_topic
@@ -33,6 +34,12 @@ DISCOVERY_SECONDS = 2.0
 
 MOST_TOPICS = 10_000
 """Topics that are remembered: publishers can name any."""
+
+LONGEST_TOPIC = 500
+"""Letters of a topic below the robot's own, beyond which it is not heard: MQTT allows 65,535."""
+
+MOST_FIELDS_OF_ALL = 50_000
+"""Fields of all topics that are remembered."""
 
 LEARN_SECONDS = 1.0
 """Seconds after which another message of a topic is looked through for fields that earlier ones did not have."""
@@ -62,6 +69,7 @@ class Mqtt(ListeningSource):
         self._tick = tick_of(period)
         self._closed = False
         self._known: dict[str, _Known] = {}
+        self._fields = 0
         self._lock = threading.RLock()
         self._subscription: Subscription | None = None
         self._cut_off = ""
@@ -140,6 +148,9 @@ class Mqtt(ListeningSource):
         with self._lock:
             known = self._known.get(topic)
             if known is None:
+                if len(topic) > LONGEST_TOPIC:
+                    self._notes.add(f"a topic of over {LONGEST_TOPIC} letters, not heard")
+                    return None
                 if len(self._known) >= MOST_TOPICS:
                     self._notes.add(f"over {MOST_TOPICS} topics, some not heard; expected the topic of one robot")
                     return None
@@ -148,7 +159,9 @@ class Mqtt(ListeningSource):
                         f"a dot or blank in its name, not heard: {topic[:200]!r}; expected the topic above it"
                     )
                 known = self._known[topic] = _Known()
-            known.learn(topic, raw)
+            before = len(known.fields)
+            known.learn(topic, raw, MOST_FIELDS_OF_ALL - self._fields)
+            self._fields += len(known.fields) - before
             return known
 
     def _lost(self) -> None:
@@ -173,8 +186,8 @@ class _Known:
         """The hash of the latest message."""
         self._due = 0.0
 
-    def learn(self, topic: str, raw: bytes) -> None:
-        """Look through a message for fields, unless that was done a moment ago."""
+    def learn(self, topic: str, raw: bytes, most: int) -> None:
+        """Look through a message for fields, ``most`` at most, unless that was done a moment ago."""
         if time.monotonic() < self._due:
             return
         self._due = time.monotonic() + LEARN_SECONDS
@@ -185,7 +198,8 @@ class _Known:
         self.kind = kind_of(topic, message)
         if not is_topic(topic):
             return
-        self.fields |= dict.fromkeys(numeric_fields(message)) if len(self.fields) < MOST_TOPICS else {}
+        new = (field for field in numeric_fields(message) if field not in self.fields)
+        self.fields |= dict.fromkeys(islice(new, max(0, most)))
 
     def is_old(self, raw: bytes, notes: Incidents, topic: str) -> bool:
         """Whether what the broker had kept was heard before, or was said long ago, which is counted."""

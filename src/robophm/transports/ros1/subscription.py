@@ -62,7 +62,7 @@ class Subscription:
         self._types: dict[str, str] = {}
         """The md5 sum of what was last heard on a topic."""
         self._pool = ThreadPoolExecutor(CONNECTORS, f"ros1 {node.name} connecting")
-        self._closed = self._registered = False
+        self._closed = self._registered = self._full = False
         for topic in self._wanted:
             node.subscribe(topic, self._hearer(topic))
         node.bus = self._bus
@@ -99,12 +99,10 @@ class Subscription:
 
     def _heard(self, topic: str, uris: list[str]) -> None:
         self._publishers[topic], known = uris, set(uris)
-        if len(known) > MOST_STREAMS_OF_TOPIC:
-            self._notes.add(f"more than {MOST_STREAMS_OF_TOPIC} publishers, not all of them heard: {topic}")
-        if sum(map(len, self._publishers.values())) > MOST_STREAMS:
-            self._notes.add(f"more than {MOST_STREAMS} publishers, not all of them heard")
         for key in [key for key in self._failures if key[0] == topic and key[1] not in known]:
             del self._failures[key]
+        if len(known) > MOST_STREAMS_OF_TOPIC:
+            self._notes.add(f"more than {MOST_STREAMS_OF_TOPIC} publishers, some not heard on {topic}")
         unknown = [stream for key, stream in self._streams.items() if key[0] == topic and key[1] not in known]
         for stream in unknown[MOST_UNKNOWN:]:
             stream.close()
@@ -123,8 +121,6 @@ class Subscription:
         """The publisher that is to be connected next: of the topic with the fewest connections, who failed least."""
         now, due = time.monotonic(), list[tuple[int, int, tuple[str, str]]]()
         making, made = (Counter(topic for topic, _ in keys) for keys in (self._connecting, self._streams))
-        if len(self._streams) + len(self._connecting) >= MOST_STREAMS:
-            return None
         for topic, uris in self._publishers.items():
             if making[topic] >= CONNECTORS_OF_TOPIC or making[topic] + made[topic] >= MOST_STREAMS_OF_TOPIC:
                 continue
@@ -134,6 +130,11 @@ class Subscription:
                     failures, when = self._failures.get(key, (0, 0.0))
                     if when <= now:
                         due.append((making[topic] + made[topic], failures, key))
+        if due and len(self._streams) + len(self._connecting) >= MOST_STREAMS:
+            if not self._full:
+                self._notes.add(f"more than {MOST_STREAMS} connections to publishers, some not heard")
+            self._full = True
+            return None
         return min(due)[2] if due else None
 
     def _connect(self, topic: str, uri: str) -> None:

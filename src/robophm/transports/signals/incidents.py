@@ -7,6 +7,14 @@ from threading import Lock
 
 from robophm.core.errors import SourceError
 
+MOST_KINDS = 2000
+"""Kinds of incidents that are counted each by itself: others name topics and what is wrong with them as they like."""
+
+LONGEST_KIND = 500
+"""Letters of one."""
+
+OTHER_KINDS = f"of more than {MOST_KINDS} kinds, not told one by one"
+
 
 class PeerError(SourceError):
     """Another process of the ROS graph does not do as it should; ``kind`` is how it is counted."""
@@ -33,8 +41,9 @@ class Incidents(Counter[str]):
 
     def add(self, text: str, count: int = 1) -> None:
         """Count once more, or several times."""
+        text = text[:LONGEST_KIND]
         with self.lock:
-            self[text] += count
+            self[text if text in self or len(self) < MOST_KINDS else OTHER_KINDS] += count
 
     def copy(self) -> Counter[str]:  # type: ignore[override]
         """Return the counts so far, as a plain Counter."""

@@ -15,6 +15,9 @@ from robophm.transports.tasks.told import DoneTask, PlannedTask
 LONGEST_MESSAGE = 16 * LONGEST_LITERAL
 """Bytes of a message beyond which it is not decoded."""
 
+NOT_AS_EXPECTED = (AttributeError, TypeError, ValueError, ArithmeticError, LookupError, RecursionError)
+"""Errors that come of a message whose fields are missing, of other types, or numbers too large for what they are."""
+
 TEXT, PATH, ODOMETRY = "std_msgs/msg/String", "nav_msgs/msg/Path", "nav_msgs/msg/Odometry"
 
 ACTIONS = ("/navigate_to_pose", "/navigate_through_poses", "/follow_waypoints", "/move_base")
@@ -35,6 +38,15 @@ class TaskTopics:
 
     def hear(self, time: int, topic: str, message: Any) -> PlannedTask | DoneTask | None:
         """Return the task that this message, received at ``time`` [ns], completes; None came and is unreadable."""
+        try:
+            return self._hear(time, topic, message)
+        except NOT_AS_EXPECTED:  # JSON may have anything anywhere
+            said = "no order and no state of one; expected VDA 5050" if tells_of_order(message) else (
+                "no goal and no state of one; expected those of an action")  # fmt: skip
+            self.notes[f"{topic}: {said}"] += 1
+            return None
+
+    def _hear(self, time: int, topic: str, message: Any) -> PlannedTask | DoneTask | None:
         type_ = getattr(message, "__msgtype__", None)
         if type_ == PATH:
             places = ((pose.pose.position.x, pose.pose.position.y) for pose in message.poses)

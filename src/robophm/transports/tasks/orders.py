@@ -54,15 +54,11 @@ class OrderListener:
         self._ended = ""
 
     def hear(self, time: int, topic: str, message: Any) -> PlannedTask | DoneTask | None:
-        """Return the task that this message plans or completes."""
-        try:
-            name = str(message.orderId)
-            if hasattr(message, "nodes"):
-                return self._planned(time, topic, name, message)
-            return self._driven(time, topic, name, message)
-        except (AttributeError, TypeError, ValueError):
-            self.notes[f"{topic}: no order and no state of one; expected VDA 5050"] += 1
-            return None
+        """Return the task that this message plans or completes. Raises NOT_AS_EXPECTED where it is neither."""
+        name = str(message.orderId)
+        if hasattr(message, "nodes"):
+            return self._planned(time, topic, name, message)
+        return self._driven(time, topic, name, message)
 
     def _planned(self, time: int, topic: str, name: str, message: Any) -> PlannedTask | None:
         order = self._begun(name)
