@@ -23,14 +23,18 @@ class FreshNotes:
     def __init__(self) -> None:
         self._told: dict[str, int] = {}
 
-    def lines(self, notes: Mapping[str, int]) -> list[str]:
-        """Return the notes that are to be told of now, as lines."""
+    def of(self, notes: Mapping[str, int]) -> dict[str, int]:
+        """Return the notes that are to be told of now."""
         fresh = {}
         for what, count in notes.items():
             if not ordinary(what) and len(str(count)) > self._told.get(what, 0):
                 self._told[what] = len(str(count))
                 fresh[what] = count
-        return said(fresh)
+        return fresh
+
+    def lines(self, notes: Mapping[str, int]) -> list[str]:
+        """Return the notes that are to be told of now, as lines."""
+        return said(self.of(notes))
 
 
 def said(notes: Mapping[str, int], of: str = "") -> list[str]:

@@ -200,12 +200,13 @@ rospy.spin()
     (lost,) = [json.loads(line) for line in iter(process.stdout.readline, "end\n")]
     told = "lost on the way on /motor (3 times)"
     assert lost == [1, f"{node}: listening", told, "R 2", {"note 1": told}]
-    some = {"lost on the way on /motor": 3, "a": 1, "b": 1, "c": 1}
-    for notes in (some, some | {"z": 1}):  # what came last is said first, however it is called
-        sink.noted(notes)
+    some = {"lost on the way on /motor": 3, **dict.fromkeys("abcde", 1)}
+    for notes in (some, some | {"z": 1}, some | {"z": 1} | dict.fromkeys("abcde", 9)):
+        sink.noted(notes)  # what is new is said first, however it is called, and though others go on
         (lost,) = [json.loads(line) for line in iter(process.stdout.readline, "end\n")]
-    assert lost[2] == "z; a; b; and 2 more"
-    assert list(lost[4].values()) == ["z", "a", "b", "c", told]
+    others = [f"{one} (9 times)" for one in "abcde"]
+    assert lost[2] == "; ".join(["z", *others[:4], "and 2 more"])
+    assert list(lost[4].values()) == ["z", *others, told]
     assert {"/hall/r2/phm_hazard_rate_calculation_node", "/hall/r2/phm_reliability_estimation_node",
             "/hall/r2/phm_robot_task_completion_node"} <= set(ros.run("/usr/bin/rosnode", "list").split())  # fmt: skip
     assert "/hall/r2/phm_potc" in ros.run("/usr/bin/rosnode", "info", "/hall/r2/phm_robot_task_completion_node")

@@ -20,7 +20,7 @@ from robophm.transports.signals.report_sink import JudgedTask
 
 Fields = Mapping[str, Any]
 
-MOST_TOLD = 3
+MOST_TOLD = 5
 """Notes that are in the message of a status; up to MOST_STATUSES are among its values."""
 
 LEVELS: dict[State, int] = {"ok": 0, "warn": 1, "error": 2, "stale": 3}

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from typing import Any
 
-from robophm.core.counted_notes import FreshNotes
+from robophm.core.counted_notes import FreshNotes, said
 from robophm.core.errors import SourceError
 from robophm.design.robot import Robot
 from robophm.health.alarms import Alarm
@@ -72,7 +72,7 @@ class HealthTopics(ReportSink):
         """The time of the next message on /diagnostics [s], by a clock that nobody sets."""
         self._fresh = FreshNotes()
         self._heard_of: Mapping[str, int] = {}
-        """Notes and how often, those that came last first."""
+        """Notes and how often, first those that were told on /rosout last: what goes on and on hides nothing new."""
         self._alarms: Sequence[Alarm] = ()
         self._noted = -math.inf
         """The time when a note came last [s], by a clock that nobody sets."""
@@ -148,16 +148,18 @@ class HealthTopics(ReportSink):
         return f"{self._root}/{HAZARD_RATE_NODE}".lstrip("/")
 
     def noted(self, notes: Mapping[str, int]) -> None:
-        """Publish at once on /diagnostics what was lost, silent or refused, the latest first; for a while as a warning.
+        """Publish at once on /diagnostics what was lost, silent or refused; for a while as a warning.
 
-        On /rosout each at first, and when it is ten times as many.
+        On /rosout each at first, and when it is ten times as many; what was so last is first on /diagnostics.
         """
-        grown = {what: count for what, count in notes.items() if count != self._heard_of.get(what)}
-        earlier = {what: notes[what] for what in self._heard_of if what in notes and what not in grown}
-        self._heard_of, self._noted = grown | earlier, time.monotonic()
-        if lines := self._fresh.lines(notes):  # in one message: of a latched topic only the last is kept
-            said = report_fields.logged("; ".join(lines), time.time_ns(), self._diagnosing, self._outlet.generation)
-            self._send("/rosout", said)
+        fresh = self._fresh.of(notes)
+        earlier = {what: notes[what] for what in self._heard_of if what in notes and what not in fresh}
+        self._heard_of, self._noted = fresh | earlier, time.monotonic()
+        if fresh:  # in one message: of a latched topic only the last is kept
+            lines = "; ".join(said(fresh))
+            self._send(
+                "/rosout", report_fields.logged(lines, time.time_ns(), self._diagnosing, self._outlet.generation)
+            )
         self._send(
             "/diagnostics", {"header": {"stamp": report_fields.stamp(time.time_ns())}, "status": [self._listening()]}
         )
