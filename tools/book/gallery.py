@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+import runpy
 import sys
 import tempfile
 from contextlib import chdir, redirect_stdout
@@ -47,8 +48,10 @@ def run(page: Path, picture: Path) -> str:
         for name, content in _FILE.findall(text):
             Path(name).write_text(content, "utf-8")
         plt.close("all")
+        code = Path(f"{page.stem}.py")
+        code.write_text("".join(_CODE.findall(text)), "utf-8")
         with redirect_stdout(said):
-            exec(compile("".join(_CODE.findall(text)), str(page), "exec"), {"__name__": "__main__"})  # noqa: S102
+            runpy.run_path(str(code), run_name="__main__")
         plt.gcf().savefig(picture, metadata={"Date": None})
         plt.close("all")
     return said.getvalue()

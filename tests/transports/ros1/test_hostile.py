@@ -289,7 +289,7 @@ def test_a_publisher_that_changes_its_address_holds_only_so_many_connections(
         slave = listening_node(live)
         for number in range(20):
             call(slave.uri, "publisherUpdate", "/master", "/lied", [f"{moving.uri}{number}"])
-            within(5, lambda: moving.connections > number)  # noqa: B023
+            within(5, lambda before=number: moving.connections > before)
         within(5, lambda: 0 < len(call(slave.uri, "getBusInfo", "/test")) <= 6)
 
 

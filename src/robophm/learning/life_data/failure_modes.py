@@ -82,9 +82,10 @@ def fit_modes(data: LifeData, name: str | None = None, *, level: float = LEVEL) 
     end = _quantile(found, 1 - 1e-10)
     times = np.concatenate([[0.0], np.geomspace(1e-12, 1.0, 8001) * min(end, 1e300)])
     survival = found.survival(times)
-    mean = float(np.sum((survival[1:] + survival[:-1]) / 2 * np.diff(times))) if math.isfinite(end) else math.inf
+    between = (survival[1:] + survival[:-1]) / 2
+    mean = float(np.sum(between * np.diff(times))) if math.isfinite(end) else math.inf
     shares = {
-        mode: float(np.sum((survival[1:] + survival[:-1]) / 2 * np.diff(np.asarray(one.life.increment(0.0, times)))))
+        mode: float(np.sum(between * np.diff(np.asarray(one.life.increment(0.0, times)))))
         for mode, one in modes.items()
     }  # fmt: skip
     return replace(found, quantiles=quantiles, mean=mean, shares=shares)

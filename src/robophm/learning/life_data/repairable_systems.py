@@ -96,7 +96,7 @@ def fit_power_law(
     scale = n / sum(end**shape for end in ends.values())
     rate = scale * shape * until ** (shape - 1)
     tail = (1 - level) / 2
-    bounds = (shape * chdtri(2 * free, 1 - one) / (2 * of) for one in (tail, 1 - tail))
+    bounds = (shape * chdtri(2 * free, above) / (2 * of) for above in (1 - tail, tail))
     low, high = _between_failures(n, of, tail) if not at_failure else _between_failures_at_last(n, of, tail)
     p = float(chdtr(2 * free, 2 * logs))
     return PowerLaw(
@@ -119,7 +119,7 @@ def _between_failures_at_last(n: int, of: int, tail: float) -> tuple[float, floa
     """The same of a test that ended with its n-th failure: the true intensity over the likeliest is Z·S/4n², χ² both,
     Z of 2n − 2 degrees of freedom, S of 2n.
     """
-    nodes = chdtri(2 * n - 2, 1 - (np.arange(1000) + 0.5) / 1000)
+    nodes = chdtri(2 * n - 2, (np.arange(1000) + 0.5) / 1000)
 
     def miss(log_product: float, share: float) -> float:
         return float(np.mean(gammainc(n, math.exp(log_product) / (2 * nodes)))) - share
