@@ -6,6 +6,9 @@ import json
 import random
 import shutil
 import sqlite3
+import struct
+import subprocess
+import sys
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -14,6 +17,7 @@ import pytest
 
 from robophm.core.errors import StoreError
 from robophm.stores import restore_store
+from robophm.stores._write_ahead_log import left_behind
 from robophm.stores.events import Event
 from robophm.stores.pyramid import number_of
 from robophm.stores.service_requests import ServiceRequest
@@ -255,3 +259,78 @@ def test_the_alarms_that_can_be_read_are_carried_over(sound: Path, tmp_path: Pat
     lost = [one for robot in ROBOTS for one in before[robot] if one not in after[robot]]
     assert [one["what"] for one in lost] == ["loud"]
     assert more["number"] > max(one["number"] for robot in ROBOTS for one in after[robot])
+
+
+LOCKED = """
+import fcntl, sys
+with open(sys.argv[1] + "-shm", "r+b") as index:
+    try:
+        fcntl.lockf(index, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, 128)  # all who have the file open share this byte
+    except BlockingIOError:
+        print("locked")
+"""
+
+
+def test_who_looks_into_the_log_does_not_let_go_of_the_locks_of_others_in_its_process(tmp_path: Path) -> None:
+    path = tmp_path / "past.db"
+    with SqliteStore(path) as store:
+        store.save("R", {"exposure": 1.0})
+        with SqliteStore(path) as looking:
+            assert looking.ledger("R") == {"exposure": 1.0}
+            words = [sys.executable, "-c", LOCKED, str(path)]
+            said = subprocess.run(words, capture_output=True, text=True, check=True, timeout=60)
+            assert said.stdout == "locked\n", "a newcomer would take the store for one that nobody has open"
+
+
+@pytest.mark.parametrize("big_endian", [False, True])
+def test_what_is_taken_of_a_log_is_what_sqlite_takes(tmp_path: Path, big_endian: bool) -> None:
+    """Each cut and some flips of a log, against what SQLite itself then reads; also of a machine that is big-endian."""
+    path, chance = tmp_path / "base.db", random.Random(3)
+    with closing(sqlite3.connect(path, isolation_level=None)) as base:
+        base.execute("PRAGMA page_size = 512")
+        base.execute("PRAGMA journal_mode = WAL")
+        base.execute("CREATE TABLE saves (number INTEGER, bytes BLOB)")
+        for number in range(12):
+            base.execute("INSERT INTO saves VALUES (?, ?)", (number, chance.randbytes(700)))
+        whole, log = path.read_bytes(), Path(f"{path}-wal").read_bytes()
+    if big_endian:
+        log = in_other_order(log)
+    size = 24 + 512
+    ends = [at for at in range((len(log) - 32) // size) if struct.unpack_from(">I", log, 32 + at * size + 4)[0]]
+    damaged = [log[:end] for end in range(0, len(log), 97)]
+    for _ in range(60):
+        one = bytearray(log)
+        one[chance.randrange(32, len(log))] ^= 1 << chance.randrange(8)
+        damaged.append(bytes(one))
+    for number, some in enumerate([log, *damaged]):
+        other = tmp_path / f"{number}.db"
+        other.write_bytes(whole)
+        Path(f"{other}-wal").write_bytes(some)
+        left = left_behind(other)
+        with closing(sqlite3.connect(other, isolation_level=None)) as base:
+            ((busy, taken, _),) = base.execute("PRAGMA wal_checkpoint(PASSIVE)").fetchall()
+        assert not busy
+        frames = max(0, len(some) - 32)
+        assert left.pages == frames // size + (frames % size >= 24) - max(0, taken), f"{number}: {left}, {taken}"
+        within = [at for at in ends if 32 + at * size + 24 <= len(some)]
+        if len(some) < len(log) or not number:
+            assert left.saves == sum(at >= taken for at in within)
+
+
+def in_other_order(log: bytes) -> bytes:
+    """A log whose checksums are of big-endian words, by the plain loop of SQLite's own description."""
+    changed = bytearray(log)
+    changed[3] |= 1
+
+    def summed(first: int, second: int, some: bytes) -> tuple[int, int]:
+        for x, y in struct.iter_unpack(">II", some):
+            first = (first + x + second) % 2**32
+            second = (second + y + first) % 2**32
+        return first, second
+
+    state = summed(0, 0, bytes(changed[:24]))
+    struct.pack_into(">II", changed, 24, *state)
+    for at in range(32, len(log), 24 + 512):
+        state = summed(*state, bytes(changed[at : at + 8] + changed[at + 24 : at + 536]))
+        struct.pack_into(">II", changed, at + 16, *state)
+    return bytes(changed)
