@@ -53,10 +53,12 @@ class _Epoch:
     reports: int = 0
     thinned: int = 0
     missing: int = 0
+    moved: int = 0
+    """Number of the last report that has left the store for files."""
 
     @property
     def row(self) -> Row:
-        return self.robot, self.number, self.name, self.last, self.reports, self.thinned, self.missing
+        return self.robot, self.number, self.name, self.last, self.reports, self.thinned, self.missing, self.moved
 
     def follow(self, one: Report) -> None:
         """Count a report that comes behind all others."""
@@ -97,8 +99,8 @@ class Commit:
     def _known(self, names: Sequence[str]) -> tuple[dict[str, int], dict[int, _Epoch]]:
         """The numbers of robots, and the newest epoch of each that has any."""
         rows = self._engine.ask(
-            "SELECT robot.name, robot.number, epoch.number, epoch.name, last, reports, thinned, missing FROM robot "
-            "LEFT JOIN epoch ON epoch.robot = robot.number AND epoch.number = "
+            "SELECT robot.name, robot.number, epoch.number, epoch.name, last, reports, thinned, missing, moved "
+            "FROM robot LEFT JOIN epoch ON epoch.robot = robot.number AND epoch.number = "
             "(SELECT max(number) FROM epoch WHERE epoch.robot = robot.number) "
             f"WHERE robot.name IN ({', '.join('?' * len(names))})", names,
         )  # fmt: skip
@@ -113,7 +115,7 @@ class Commit:
         robot = self._robots[payload.robot]
         key = robot, payload.epoch
         if key not in self._epochs:
-            rows = self._engine.ask("SELECT robot, number, name, last, reports, thinned, missing FROM epoch "
+            rows = self._engine.ask("SELECT robot, number, name, last, reports, thinned, missing, moved FROM epoch "
                                     "WHERE robot = ? AND name = ?", key)  # fmt: skip
             if rows:
                 self._epochs[key] = _Epoch(*rows[0])
@@ -124,6 +126,8 @@ class Commit:
 
     def _rows(self, payload: Payload, epoch: _Epoch) -> Iterable[Row]:
         for one in payload.reports:
+            if one.seq <= epoch.moved:  # it was there
+                continue
             key = epoch.robot, epoch.number, one.seq
             yield (*key, one.time, self._now, one.thinned, figures_as_bytes(key, one.time, one.figures))
 
@@ -149,7 +153,7 @@ class Commit:
         """Count the new reports of an epoch, and keep the newest of each day and of all."""
         for one in new:
             if one.seq <= epoch.last:  # it fills a gap: those are counted anew
-                self._count_anew(epoch)
+                self._count_anew(epoch, {each.seq for each in new})
                 break
             epoch.follow(one)
         for one in new:
@@ -161,12 +165,18 @@ class Commit:
         figures = figures_as_bytes(key, one.time, one.figures)
         self._of_newest[key] = (*key, one.time, self._now, figures, *chances)
 
-    def _count_anew(self, epoch: _Epoch) -> None:
-        rows = self._engine.ask("SELECT seq, thinned FROM report WHERE robot = ? AND epoch = ? ORDER BY seq",
-                                (epoch.robot, epoch.number))  # fmt: skip
-        epoch.last = epoch.reports = epoch.thinned = epoch.missing = 0
-        for seq, thinned in rows:
-            epoch.follow(Report(seq, 0, thinned, ()))
+    def _count_anew(self, epoch: _Epoch, new: set[int]) -> None:
+        """Count an epoch with new reports between others: by what they change among those that are in the store."""
+        kept = self._engine.ask(
+            "SELECT seq, thinned FROM report WHERE robot = ? AND epoch = ? AND seq > ? ORDER BY seq",
+            (epoch.robot, epoch.number, epoch.moved),
+        )
+        rows = [Report(seq, 0, thinned, ()) for seq, thinned in kept]
+        before, after = _counted(epoch, [one for one in rows if one.seq not in new]), _counted(epoch, rows)
+        epoch.last = after.last
+        epoch.reports += after.reports - before.reports
+        epoch.thinned += after.thinned - before.thinned
+        epoch.missing += after.missing - before.missing
 
     def _state(self, epoch: _Epoch, present: PresentState) -> None:
         row = self._present.get(epoch.robot)
@@ -179,6 +189,14 @@ class Commit:
             epoch.robot, epoch.number, present.revision, report.get("robot"), report.get("design_hash"),
             report.get("time"), ahead, *bodies, present_sum(*bodies),
         )  # fmt: skip
+
+
+def _counted(epoch: _Epoch, reports: Iterable[Report]) -> _Epoch:
+    """The count of some reports of an epoch, none of which has been moved."""
+    found = _Epoch(epoch.robot, epoch.number, epoch.name, last=epoch.moved)
+    for one in reports:
+        found.follow(one)
+    return found
 
 
 def _last(rows: Iterable[Row]) -> list[Row]:

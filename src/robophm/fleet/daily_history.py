@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Callable, Collection, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -42,6 +42,9 @@ LONGEST_DESIGN = 200
 UNKNOWN = "__HIVE_DEFAULT_PARTITION__"
 """Folder of reports of an unknown design, by the name that readers of partitions know."""
 
+NAME = "day={}"
+"""Name of the folder of a day, 2026-11-27."""
+
 _PART = ".days"  # what is not whole yet
 
 
@@ -68,21 +71,18 @@ def write_days(
     written, rows, size = list[str](), 0, 0
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with only_one(folder / ".lock") as holder:
-            if holder is not None:
-                raise RobophmError(f"{folder}: is being written by process {holder or 'of somebody else'}; "
-                                   "expected that it has ended")  # fmt: skip
-            days = [day for day in there if (day + 1) * DAY + OVER <= now and not (folder / _name(day)).exists()]
+        with alone_in(folder):
+            days = [day for day in there if (day + 1) * DAY + OVER <= now and not (folder / name_of(day)).exists()]
             for begin in range(0, len(days), DAYS_AT_ONCE):
                 some = days[begin : begin + DAYS_AT_ONCE]
                 shutil.rmtree(folder / _PART, ignore_errors=True)
                 rows += _write(store, folder / _PART, some, make)
-                for made in sorted((folder / _PART).glob("day=*")):
+                for made in sorted((folder / _PART).glob(NAME.format("*"))):
                     size += sum(one.stat().st_size for one in made.rglob("*.parquet"))
                     for one in (*made.iterdir(), made):
                         sync_folder(one)
                     made.rename(folder / made.name)
-                    written.append(made.name.removeprefix("day="))
+                    written.append(made.name.removeprefix(NAME.format("")))
                 sync_folder(folder)
                 on_days(begin + len(some), len(days))
             shutil.rmtree(folder / _PART, ignore_errors=True)
@@ -91,8 +91,19 @@ def write_days(
     return WrittenDays(tuple(written), rows, size)
 
 
-def _name(day: int) -> str:
-    return f"day={datetime.fromtimestamp(day * DAY // SECOND, UTC):%Y-%m-%d}"
+@contextmanager
+def alone_in(folder: Path) -> Iterator[None]:
+    """Be the only one who changes a folder of days as long as the context lasts. Raises RobophmError if not."""
+    with only_one(folder / ".lock") as holder:
+        if holder is not None:
+            raise RobophmError(f"{folder}: is being written by process {holder or 'of somebody else'}; "
+                               "expected that it has ended")  # fmt: skip
+        yield
+
+
+def name_of(day: int) -> str:
+    """Return the name of the folder of a day, of days since the epoch."""
+    return NAME.format(f"{datetime.fromtimestamp(day * DAY // SECOND, UTC):%Y-%m-%d}")
 
 
 def _write(store: FleetStore, folder: Path, days: Collection[int], make: Callable[[Path], Any]) -> int:
@@ -110,7 +121,7 @@ def _write(store: FleetStore, folder: Path, days: Collection[int], make: Callabl
             for name, number in sorted(some):
                 for day, block in _blocks(store, number, days):
                     if day not in files:
-                        place = folder / _name(day) / design
+                        place = folder / name_of(day) / design
                         place.mkdir(parents=True)
                         files[day] = open_files.enter_context(make(place / "reports.parquet"))
                     files[day].take(name, number, block)
@@ -139,13 +150,19 @@ def _blocks(store: FleetStore, robot: int, days: Collection[int]) -> Iterator[tu
         yield from ((day, some) for day, some in by_day.items() if day in days)
 
 
-def _writer() -> Callable[[Path], Any]:
-    """A class that writes a file of reports; RobophmError without pyarrow."""
+def parquet() -> Any:
+    """Return pyarrow's part for Parquet. Raises RobophmError where it is not installed."""
     try:
-        import pyarrow as arrow
-        from pyarrow import parquet
+        from pyarrow import parquet as found
     except ImportError:
         raise RobophmError("Parquet needs pyarrow; install it with `pip install 'robophm[parquet]'`") from None
+    return found
+
+
+def _writer() -> Callable[[Path], Any]:
+    """A class that writes a file of reports; RobophmError without pyarrow."""
+    files = parquet()
+    import pyarrow as arrow
 
     moment, whole = arrow.timestamp("ns", tz="UTC"), ("epoch", "seq", "time", "received", "thinned")
     kinds = {"robot": arrow.string(), "epoch": arrow.int64(), "seq": arrow.int64(), "time": moment, "received": moment,
@@ -158,8 +175,13 @@ def _writer() -> Callable[[Path], Any]:
 
         def __init__(self, path: Path) -> None:
             self._stream = path.open("wb")
-            self._file = parquet.ParquetWriter(
-                self._stream, schema, compression="zstd", use_dictionary=["robot"], column_encoding=encodings
+            self._file = files.ParquetWriter(
+                self._stream,
+                schema,
+                compression="zstd",
+                use_dictionary=["robot"],
+                column_encoding=encodings,
+                write_page_checksum=True,
             )
             self._waiting: list[Any] = []
 

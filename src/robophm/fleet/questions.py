@@ -6,15 +6,17 @@ import json
 import math
 import zlib
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robophm.core.errors import RobophmError
-from robophm.core.signal import SECOND
 from robophm.core.units import quantity
-from robophm.fleet.commit import BELIEVED
+from robophm.fleet.engines.engine import Row
 from robophm.fleet.figures import figures_of_bytes, must_be_kept
+from robophm.fleet.kept_days import AHEAD, Reports, kept_reports
 from robophm.fleet.store import FleetStore
 from robophm.stores.figures import STATES, FigureSeries, joined
 from robophm.stores.outbox import BOUNDS, CHANCES, COLUMNS, HORIZONS
@@ -150,25 +152,77 @@ class RobotHistory(NamedTuple):
     series: FigureSeries
     """Figures in the order of COLUMNS."""
     ahead: int
-    """Number of reports in the store whose time lies ahead of the fleet's clock: those are not in the series."""
+    """Number of reports whose time lies ahead of the fleet's clock: those are not in the series."""
+    elsewhere: int
+    """Number of reports, of whatever time, that came and are neither in the store nor in the folder that was given."""
 
 
-def history(store: FleetStore, robot: str, start: int | None, end: int | None, points: int) -> RobotHistory:
+def history(
+    store: FleetStore, robot: str, start: int | None, end: int | None, points: int, days: Path | None = None
+) -> RobotHistory:
     """Return a robot's figures from a time until before another [ns], None being open, in at most so many points.
 
-    Where there were more reports, each is the lowest, mean and highest of a span of time. Raises RobophmError.
+    ``days``: the folder of days to which old reports were moved. Where there were more reports than points, each point
+    is the lowest, mean and highest of a span of time. Raises RobophmError.
     """
     number = store.number_of(robot)
     window = number, -(2**63) if start is None else start, 2**63 - 1 if end is None else end
-    believed = f"robot = ? AND time >= ? AND time < ? AND time <= received + {round(BELIEVED * SECOND)}"
-    ((count, first, last),) = store.rows(f"SELECT count(*), min(time), max(time) FROM report WHERE {believed}", window)
+    believed = f"robot = ? AND time >= ? AND time < ? AND time <= received + {AHEAD}"
+    extent = [*store.rows(f"SELECT count(*), min(time), max(time) FROM report WHERE {believed}", window)]
+    ((there, ahead),) = store.rows(
+        f"SELECT count(*), coalesce(sum(CASE WHEN time > received + {AHEAD} THEN 1 ELSE 0 END), 0) FROM report "
+        "WHERE robot = ?", (number,),
+    )  # fmt: skip
+    elsewhere = sum(came for (came,) in store.rows("SELECT reports FROM epoch WHERE robot = ?", (number,))) - there
+    moved = _Moved.of(store, robot, number, days) if days else None
+    if moved:
+        for one in moved.reports(()):
+            elsewhere -= len(one.time)
+            ahead += int((one.time > one.received + AHEAD).sum())
+            if len(times := one.time[_within(one, window)]):
+                extent.append((len(times), int(times.min()), int(times.max())))
+    known = [one for one in extent if one[0]]
+    count, first, last = sum(one[0] for one in known), *(f(one[at] for one in known) if known else 0
+                                                         for at, f in ((1, min), (2, max)))  # fmt: skip
     width = -(-(last - first + 1) // (points - 1)) if count > points else 0
-    parts = [joined(one, width) if width else one for one in _series(store, number, believed, window)]
-    whole = _in_order(width, parts or [_NOTHING])
-    ((ahead,),) = store.rows(
-        f"SELECT count(*) FROM report WHERE robot = ? AND time > received + {round(BELIEVED * SECOND)}", (number,)
-    )
-    return RobotHistory(joined(whole, width) if width else whole, ahead)
+    parts = [*(moved.series(window) if moved else ()), *_series(store, number, believed, window)]
+    whole = _in_order(width, [joined(one, width) if width else one for one in parts] or [_NOTHING])
+    return RobotHistory(joined(whole, width) if width else whole, int(ahead), elsewhere)
+
+
+class _Moved(NamedTuple):
+    """The reports of a robot that are in a folder of days alone."""
+
+    folder: Path
+    robot: str
+    last: dict[int, int]
+    """Number of the last of each epoch that was moved."""
+    again: set[Row]
+    """Epochs and numbers of those up to it that are in the store."""
+
+    @classmethod
+    def of(cls, store: FleetStore, robot: str, number: int, folder: Path) -> _Moved:
+        last: dict[int, int] = dict(
+            store.rows("SELECT number, moved FROM epoch WHERE robot = ? AND moved > 0", (number,))
+        )
+        again = store.rows(
+            "SELECT report.epoch, seq FROM report JOIN epoch ON epoch.robot = report.robot AND "
+            "epoch.number = report.epoch WHERE report.robot = ? AND seq <= moved", (number,),
+        )  # fmt: skip
+        return cls(folder, robot, last, set(again))
+
+    def reports(self, columns: tuple[str, ...]) -> Iterator[Reports]:
+        return kept_reports(self.folder, self.robot, self.last, self.again, columns)
+
+    def series(self, window: tuple[int, int, int]) -> Iterator[FigureSeries]:
+        for one in self.reports(COLUMNS):
+            some = one.rows(_within(one, window))
+            yield _of_reports(some.time, some.figures)
+
+
+def _within(one: Reports, window: tuple[int, int, int]) -> NDArray[np.bool_]:
+    """Which reports are of a window of time, and not ahead of the fleet's clock."""
+    return (one.time >= window[1]) & (one.time < window[2]) & (one.time <= one.received + AHEAD)
 
 
 def newest_time(store: FleetStore, robot: str) -> int | None:
@@ -177,7 +231,7 @@ def newest_time(store: FleetStore, robot: str) -> int | None:
     Raises RobophmError where there is no such robot.
     """
     ((last,),) = store.rows(
-        f"SELECT max(time) FROM report WHERE robot = ? AND time <= received + {round(BELIEVED * SECOND)}",
+        f"SELECT max(time) FROM report WHERE robot = ? AND time <= received + {AHEAD}",
         (store.number_of(robot),),
     )
     found: int | None = last
@@ -204,10 +258,14 @@ def _series(store: FleetStore, robot: int, where: str, window: tuple[int, int, i
     ):  # fmt: skip
         epoch, seq = rows[-1][:2]
         values = np.array([figures_of_bytes((robot, *row[:2]), row[2], row[3]) for row in rows])
-        times = np.array([row[2] for row in rows], np.int64)
-        order = np.argsort(times, kind="stable")
-        values = values[order]
-        yield FigureSeries(0, times[order], (~np.isnan(values)).astype(np.int64), values, values, values)
+        yield _of_reports(np.array([row[2] for row in rows], np.int64), values)
+
+
+def _of_reports(times: NDArray[np.int64], values: NDArray[np.float64]) -> FigureSeries:
+    """The figures of reports [reports, columns], in order of time."""
+    order = np.argsort(times, kind="stable")
+    values = values[order]
+    return FigureSeries(0, times[order], (~np.isnan(values)).astype(np.int64), values, values, values)
 
 
 class Exported(NamedTuple):

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from robophm.stores.outbox import CHANCES
 
-VERSION = 3
+VERSION = 4
 """Version of the tables."""
 
 
@@ -58,10 +58,11 @@ HEARD = Table(
 EPOCH = Table(
     "epoch",
     ("robot INTEGER", "number INTEGER", "name TEXT", "last INTEGER", "reports INTEGER", "thinned INTEGER",
-     "missing INTEGER"), ("robot", "number"), _replaced(["last", "reports", "thinned", "missing"]),
+     "missing INTEGER", "moved INTEGER"), ("robot", "number"), _replaced(["last", "reports", "thinned", "missing"]),
 )  # fmt: skip
 """Stretches of watching; ``number`` is the order in which a robot's epochs came, which is its own order, as it sends
-nothing before what is older is committed. ``missing`` are numbers of reports that neither came nor were let go of."""
+nothing before what is older is committed. ``missing`` are numbers of reports that neither came nor were let go of.
+Reports up to number ``moved`` have left the store for files; that is never set by a merge."""
 REPORT = Table(
     "report",
     ("robot INTEGER", "epoch INTEGER", "seq INTEGER", "time INTEGER", "received INTEGER", "thinned INTEGER",

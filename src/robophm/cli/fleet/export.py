@@ -15,11 +15,14 @@ import typer
 
 from robophm.cli.shared.fleet import FleetStorePath
 from robophm.cli.shared.options import Force, Json
-from robophm.cli.shared.output import console, may_make, print_json, progress_console
+from robophm.cli.shared.output import console, may_make, print_json, progress_console, warn
 from robophm.cli.shared.progress import counted
 from robophm.core.errors import RobophmError
 from robophm.core.files import replacing
+from robophm.core.signal import DAY
+from robophm.core.units import quantity
 from robophm.fleet.daily_history import write_days
+from robophm.fleet.kept_days import LEAST_KEPT, move_out
 from robophm.fleet.questions import present, reports
 from robophm.fleet.store import FleetStore
 from robophm.report.words import count_text
@@ -39,6 +42,13 @@ def command(
         ),
     ],
     robot: Annotated[str | None, typer.Option(help="only this robot")] = None,
+    keep: Annotated[
+        str | None,
+        typer.Option(
+            metavar="DURATION",
+            help="then take out of the store what the folder has and was received longer ago, e.g. '90 day'",
+        ),
+    ] = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
@@ -47,8 +57,12 @@ def command(
         if robot or force:
             raise RobophmError(f"{to}: a folder of days is of all robots, and a day that is there stays as it is; "
                                f"expected no {'--robot' if robot else '--force'}")  # fmt: skip
-        _days(store, to, as_json=as_json)
+        _days(store, to, kept_days(keep), as_json=as_json)
         return
+    if keep:
+        raise RobophmError(
+            f"--keep: what leaves the store must be in a folder of days; expected no {to.suffix} in --to"
+        )
     may_make(to, Path(store), force=force, suffixes=SUFFIXES)
     count = 0
     try:
@@ -65,14 +79,37 @@ def command(
         console().print(f"Written: {to}, {count_text(rows)} rows", markup=False)
 
 
-def _days(store: str, to: Path, *, as_json: bool) -> None:
-    with FleetStore(store) as fleet, counted(progress_console(), "writing days") as advance:
-        found = write_days(fleet, to, time.time_ns(), advance)
+def kept_days(keep: str | None) -> float | None:
+    """Return for how many days a store keeps reports; None where it keeps all. Raises RobophmError."""
+    if keep is None:
+        return None
+    days = quantity(keep, "h") / 24
+    if not days >= LEAST_KEPT:
+        raise RobophmError(
+            f"--keep {keep!r:.40}: the fleet's page draws thirty days; expected '{LEAST_KEPT} day' or more"
+        )
+    return days
+
+
+def _days(store: str, to: Path, keep: float | None, *, as_json: bool) -> None:
+    now = time.time_ns()
+    with FleetStore(store) as fleet:
+        with counted(progress_console(), "writing days") as advance:
+            found = write_days(fleet, to, now, advance)
+        moved = None
+        if keep is not None:
+            with counted(progress_console(), "moving old reports") as advance:
+                moved = move_out(fleet, to, now - round(keep * DAY), advance)
+    if moved and moved.kept:
+        warn(f"{count_text(moved.kept)} old reports stay in the store: {to} has them not, or others in their place; a "
+             "day's folder that is deleted is written anew")  # fmt: skip
     if as_json:
-        print_json({"folder": str(to), **found._asdict()})
-    else:
-        days = f"{count_text(len(found.days))} days, {count_text(found.rows)} rows" if found.days else "no new day"
-        console().print(f"Written: {to}, {days}", markup=False)
+        print_json({"folder": str(to), **found._asdict()} | ({"moved": moved._asdict()} if moved else {}))
+        return
+    days = f"{count_text(len(found.days))} days, {count_text(found.rows)} rows" if found.days else "no new day"
+    console().print(f"Written: {to}, {days}", markup=False)
+    if moved:
+        console().print(f"Moved out of the store: {count_text(moved.reports)} reports", markup=False)
 
 
 def _table(fleet: FleetStore, robot: str | None) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -37,6 +38,9 @@ def command(
         str | None, typer.Option("--from", metavar="TIME", help="start, e.g. 2026-03-04T12:00, UTC")
     ] = None,
     end: Annotated[str | None, typer.Option("--to", metavar="TIME", help="end, itself not included")] = None,
+    parquet: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="days to which `fleet export --keep` moved old reports")
+    ] = None,
     points: Annotated[
         int, typer.Option(help="largest number of points in each curve", min=2, max=MOST_POINTS)
     ] = POINTS,
@@ -45,18 +49,21 @@ def command(
     """The figures of one robot over time."""
     first, last = span_of(start, end)
     with FleetStore(store) as fleet:
-        found = history(fleet, robot, first, last, points)
+        found = history(fleet, robot, first, last, points, parquet)
     series = found.series
     if found.ahead:
         warn(f"{count_text(found.ahead)} reports are of a time ahead of the fleet's clock, and left out")
+    if found.elsewhere:
+        why = f"{parquet} has them not" if parquet else "expected --parquet, the folder to which they were moved"
+        warn(f"{count_text(found.elsewhere)} reports are not in the store; {why}")
     if as_json:
         parts = {"low": series.low, "mean": series.mean, "high": series.high} if series.width else {"mean": series.mean}
         figures = {
             name: {part: plain(values[:, at].tolist()) for part, values in parts.items()}
             for at, name in enumerate(COLUMNS)
         }
-        print_json({"robot": robot, "left_out": found.ahead, "width": series.width, "times": series.times.tolist(),
-                    "figures": figures})  # fmt: skip
+        print_json({"robot": robot, "left_out": found.ahead, "elsewhere": found.elsewhere, "width": series.width,
+                    "times": series.times.tolist(), "figures": figures})  # fmt: skip
         return
     out = console()
     if not len(series.times):

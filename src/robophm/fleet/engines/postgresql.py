@@ -32,7 +32,8 @@ STEPS: dict[int, list[str]] = {
         "NULL, text_before TEXT NOT NULL, text_after TEXT NOT NULL, evidence TEXT NOT NULL, PRIMARY KEY (number))",
         "CREATE TABLE decision (proposal BIGINT NOT NULL, place BIGINT NOT NULL, time BIGINT NOT NULL, "
         "person TEXT NOT NULL, decided TEXT NOT NULL, PRIMARY KEY (proposal, place))",
-    ]
+    ],
+    3: ["ALTER TABLE epoch ADD COLUMN moved BIGINT NOT NULL DEFAULT 0"],
 }
 """The statements that turn the tables of a version into those of the next; the first here was of version 2."""
 

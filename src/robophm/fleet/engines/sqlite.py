@@ -36,6 +36,7 @@ STEPS: dict[int, list[str]] = {
         "CREATE TABLE decision (proposal INTEGER NOT NULL, place INTEGER NOT NULL, time INTEGER NOT NULL, "
         f"person TEXT NOT NULL, decided TEXT NOT NULL, PRIMARY KEY (proposal, place)){END}",
     ],
+    3: ["ALTER TABLE epoch ADD COLUMN moved INTEGER NOT NULL DEFAULT 0"],
 }
 """The statements that turn the tables of a version into those of the next."""
 
