@@ -13,6 +13,7 @@ COMMANDS = {
     "token": "Make a robot's token, and print how it reports to the fleet with it.",
     "status": "How each robot of a fleet is by its last report, and what was lost or refused.",
     "worst": "The robots that will most probably fail within a horizon, worst first, and the parts that cause it.",
+    "trend": "How the fleet was, day by day: robots expected to fail, and how their probabilities spread.",
     "history": "The figures of one robot over time.",
     "learn": "Failure rates by what all robots of the fleet have gone through.",
     "propose": "Propose a design with the rates that the fleet has seen, with evidence, for a person to take.",

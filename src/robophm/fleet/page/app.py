@@ -16,11 +16,22 @@ from robophm.core.errors import RobophmError, StoreError
 from robophm.core.signal import HOUR
 from robophm.fleet.page.listing import Asked, Order, count, groups, lines, totals
 from robophm.fleet.page.proposed import proposal_page, proposals_page
-from robophm.fleet.page.views import AT_ONCE, Epoch, Fleet, Robot, fleet_page, groups_page, robot_page, silent_since
+from robophm.fleet.page.views import (
+    AT_ONCE,
+    Epoch,
+    Fleet,
+    Robot,
+    days_page,
+    fleet_page,
+    groups_page,
+    robot_page,
+    silent_since,
+)
 from robophm.fleet.payload import Ahead
 from robophm.fleet.proposals import proposal, proposals
 from robophm.fleet.questions import RobotHistory, history, present, refused_of_nobody, status
 from robophm.fleet.store import FleetStore
+from robophm.fleet.trend import trend
 from robophm.report.markup import Html
 from robophm.report.page import page
 from robophm.web.access.file import AccessFile, access_path
@@ -33,7 +44,7 @@ POINTS = 300
 """Points of a curve, at most."""
 
 SPAN = 30 * 24 * HOUR
-"""The time before a robot's newest report that is drawn [ns]."""
+"""The time before a robot's newest report, and before now of all robots, that is drawn [ns]."""
 
 Horizon = Literal["24", "168", "720"]
 
@@ -47,6 +58,7 @@ def page_app(store: FleetStore, beside: Path, host: str, proxies: Proxies) -> Fa
     pages = _Pages(store)
     app.add_api_route("/", pages.fleet, response_class=HTMLResponse)
     app.add_api_route("/groups", pages.groups, response_class=HTMLResponse)
+    app.add_api_route("/days", pages.days, response_class=HTMLResponse)
     app.add_api_route("/robot", pages.robot, response_class=HTMLResponse)
     app.add_api_route("/proposals", pages.proposals, response_class=HTMLResponse)
     app.add_api_route("/proposal", pages.proposal, response_class=HTMLResponse)
@@ -80,6 +92,11 @@ class _Pages:
         now = time.time_ns()
         found = groups(self._store, by, float(horizon), silent_since(now))
         return _answer(groups_page(by, found, float(horizon), now))
+
+    def days(self, horizon: Horizon = "168") -> HTMLResponse:
+        """The last days of all robots together."""
+        now = time.time_ns()
+        return _answer(days_page([*trend(self._store, float(horizon), now - SPAN, now)], float(horizon), now))
 
     def robot(self, name: Annotated[str, Query(max_length=100)]) -> HTMLResponse:
         """One robot."""

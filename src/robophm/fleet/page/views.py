@@ -13,6 +13,7 @@ from robophm.fleet.commit import BELIEVED
 from robophm.fleet.page.listing import ORDERS, Asked, Group, Line, Totals
 from robophm.fleet.payload import Ahead
 from robophm.fleet.questions import RobotHistory, RobotStatus
+from robophm.fleet.trend import MEDIAN, QUANTILES, FleetDay
 from robophm.report.curve import Line as Curve
 from robophm.report.curve import curve_svg
 from robophm.report.history_page import series_text
@@ -72,6 +73,7 @@ def _fleet_sections(shown: Fleet) -> Iterator[Html | str]:
     yield STYLE
     yield from _known(shown, horizon)
     yield element("nav", *(element("a", f"By {by}", href=f"./groups?by={by}&horizon={asked.horizon:g}") for by in BY),
+                  element("a", "Day by day", href=f"./days?horizon={asked.horizon:g}"),
                   element("a", "Proposals", href="./proposals"), aria_label="Groups")  # fmt: skip
     yield _form(asked)
     last = shown.start + len(shown.lines)
@@ -239,6 +241,43 @@ def _groups(by: str, groups: Sequence[Group], asked: Asked, horizon: str) -> Htm
 
 def _of_group(asked: Asked, by: str, name: str) -> Asked:
     return asked._replace(design=name) if by == "design" else asked._replace(site=name)
+
+
+def days_page(days: Sequence[FleetDay], horizon: float, now: int) -> Html:
+    """The last days of all robots together, as a whole page; newest day first."""
+    return page("Fleet day by day", [STYLE, way_back(), f"{moment_text(now)[:16]} UTC.", *_days(days, horizon)])
+
+
+def _days(days: Sequence[FleetDay], horizon: float) -> Iterator[Html | str]:
+    if not days:
+        yield "No robot has told of the last thirty days."
+        return
+    words = HORIZON_WORDS[horizon]
+    since = [(one.begin - days[0].begin) / (24 * HOUR) for one in days]
+    label = f"days since {moment_text(days[0].begin)[:10]}"
+    if len(days) > 1:
+        of = np.array([one.quantiles for one in days]).T
+        drawn = [Curve(f"{percent_text(share)} of robots", since, each, share != MEDIAN)
+                 for share, each in zip(QUANTILES, of, strict=True)]  # fmt: skip
+        expected = [Curve("expected to fail", since, [one.expected for one in days])]
+        yield side_by_side(
+            figure(curve_svg(drawn, title=f"P of failing within {words}", x_label=label, y_label="P"),
+                   "Probabilities that so many of the robots do not exceed"),
+            figure(curve_svg(expected, title=f"Expected to fail within {words}", x_label=label, y_label="robots"),
+                   "The sum of the probabilities of those that told"),
+        )  # fmt: skip
+    rows = [
+        (moment_text(one.begin)[:10], count_text(one.robots), f"{one.expected:.3g}",
+         *map(failure_text, (*one.quantiles, one.worst)))
+        for one in reversed(days)
+    ]  # fmt: skip
+    caption = (
+        f"By each robot's first report of the day, in UTC: P of failing within {words}. A robot that told nothing that "
+        "day is in no figure of it. Where rates of parts are unknown a probability is a bound, as the robot's own line "
+        "says."
+    )
+    columns = ("day", "robots", "expected to fail", *map(percent_text, QUANTILES), "worst")
+    yield table_html(columns, rows, caption, "lrrrrrr")
 
 
 class Epoch(NamedTuple):
