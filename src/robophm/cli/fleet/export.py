@@ -63,6 +63,8 @@ def command(
         raise RobophmError(
             f"--keep: what leaves the store must be in a folder of days; expected no {to.suffix} in --to"
         )
+    if to.suffix not in SUFFIXES:
+        raise RobophmError(f"{to}: expected a name that ends in {' or '.join(SUFFIXES)}, or a folder's, for Parquet")
     may_make(to, Path(store), force=force, suffixes=SUFFIXES)
     count = 0
     try:
