@@ -69,12 +69,12 @@ def table_of(title: str, columns: list[str], rows: list[list[str]], figures: Ite
 
 
 @contextmanager
-def _uploaded(name: str, body: bytes) -> Iterator[Path]:
-    """A table that was uploaded as a file of its name, whose folder is in no error."""
+def uploaded(name: str, body: bytes, *suffixes: str, expected: str = "a table in .csv or .yaml") -> Iterator[Path]:
+    """A file that was uploaded, of its own name; the folder in which it is read is in no error."""
     with tempfile.TemporaryDirectory(prefix="robophm-") as folder:
         path = Path(folder) / file_name(name)
-        if path.suffix.lower() not in (".csv", ".yaml", ".yml"):
-            raise DataError(f"{name}: expected a table in .csv or .yaml")
+        if path.suffix.lower() not in (suffixes or (".csv", ".yaml", ".yml")):
+            raise DataError(f"{name}: expected {expected}")
         path.write_bytes(body)
         try:
             yield path
@@ -110,7 +110,7 @@ def get_diagnosis(
     """Say what the sensors of a table see, and which faults ``alarms`` that are on mean, or none (``quiet``)."""
     robot = service.prepared().robot
     on = alarms or ([] if quiet else None)
-    with _uploaded(name, body) as path:
+    with uploaded(name, body) as path:
         done = diagnose(robot, path, on, hours=hours)
     columns, rows = coverage_rows(done.sensors, done.coverage)
     seen = table_of("What sees what: P(alarm | failure)", columns, rows, range(1, len(columns)))
@@ -132,7 +132,7 @@ def get_diagnosis(
 def get_learned(body: Upload, service: Served, name: FileName) -> FoundTables:
     """Say what a log of failures in the field says of the design's rates."""
     robot = service.prepared().robot
-    with _uploaded(name, body) as path:
+    with uploaded(name, body) as path:
         done = learn(robot, [path])
     columns, rows = learned_rows(done.rates, done.unknown)
     notes = [*contradictions(done.rates), *map(unstated_text, done.unknown), *done.notes]
@@ -145,7 +145,7 @@ def get_learned(body: Upload, service: Served, name: FileName) -> FoundTables:
 @needs("viewer")
 def get_fits(body: Upload, name: FileName) -> FoundTables:
     """Life distributions fitted to a table of lives, the best first."""
-    with _uploaded(name, body) as path:
+    with uploaded(name, body) as path:
         data = read_life_data(path)
         if data.parts > MOST_LIVES:
             raise DataError(
