@@ -28,6 +28,11 @@ def test_field_data_and_another_design(visit, shared_small, tmp_path):
     page.get_by_role("tab", name="Field data").click()
     page.locator("input[type=file]").first.set_input_files(tmp_path / "log.csv")
     page.get_by_role("row").filter(has_text="drive/motor").get_by_text("0.104").wait_for()
+    page.get_by_label("What changes in the design").get_by_text("learned: {factor:").first.wait_for()
+    page.get_by_role("button", name="Use these rates").click()
+    page.get_by_text("The design has these rates.").wait_for()
+    page.get_by_role("button", name="Undo", exact=True).click()
+    page.get_by_role("button", name="Use these rates").wait_for()
     assert look.serious() == []
     page.get_by_role("tab", name="Compare").click()
     page.get_by_text("Met: it fails within 1,000 h of operation with").wait_for()
