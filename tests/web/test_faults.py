@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import pytest
+
+from robophm.cli.app import app
 
 from .conftest import SMALL, Served
 
@@ -53,6 +56,37 @@ def test_what_the_field_says_of_rates(shared_small: Served) -> None:
     (table,) = sent(shared_small, "learned", LOG)["tables"]
     motor = next(row for row in table["rows"] if row[0].startswith("drive/motor"))
     assert motor[1:3] == ["1", "0.104"]  # 13,000 h by 8 FPMH
+
+
+def test_learned_rates_are_put_into_the_design_as_the_command_writes_them(
+    small: Served, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "log.csv").write_text(LOG)
+    app(
+        ["learn", str(small.design), str(tmp_path / "log.csv"), "--to", str(tmp_path / "new.yaml")],
+        standalone_mode=False,
+    )
+    capsys.readouterr()
+    found = sent(small, "learned", LOG)
+    assert found["text"] == (tmp_path / "new.yaml").read_text()
+    added = [line[1:] for line in found["changes"] if line.startswith("+")]
+    assert added
+    assert set(added) == set(found["text"].splitlines()) - set(SMALL.splitlines())
+    used = small.client.put("/api/design/text", json={"revision": found["revision"], "text": found["text"]})
+    assert used.status_code == 200
+    again = sent(small, "learned", LOG)  # from what is stated, not from what was learned
+    assert (again["text"], again["known"], again["changes"]) == ("", True, [])
+    assert again["tables"] == found["tables"]
+
+
+def test_rates_that_the_design_cannot_have_are_said_so(small: Served) -> None:
+    alias = "lidar: &seen {rate: 30 FPMH}"
+    text = SMALL.replace("lidar: {rate: 30 FPMH}", alias).replace("camera: {rate: 90 FPMH}", "camera: *seen")
+    small.client.put("/api/design/text", json={"revision": small.get("/api/design")["revision"], "text": text})
+    found = sent(small, "learned", LOG.replace("see/lidar", "see/camera"))
+    assert (found["text"], found["known"], found["changes"]) == ("", False, [])
+    assert found["notes"][-1].startswith("They cannot be put into the design here: courier.yaml:")
+    assert small.service.workspace.draft().text == text
 
 
 def test_lives_are_fitted_the_best_first(shared_small: Served) -> None:

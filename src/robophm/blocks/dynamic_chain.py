@@ -34,6 +34,7 @@ class DynamicChain:
     """
 
     def __init__(self, tree: DynamicTree, until: float = math.inf, most: int = MOST_STATES) -> None:
+        self._until = until
         explorer = tree.explorer()
         number: dict[State, int] = {END: 0}
         todo: list[State] = []
@@ -92,6 +93,10 @@ class DynamicChain:
             left -= share
             if (k > events and share * k < _EXACT * max(total, 1e-290)) or k > events + 50 * math.sqrt(events) + 400:
                 return min(total + max(left, 0.0) * float(now[0]) * (left > 1e-12), 1.0)
+            if clock.perf_counter() > self._until:
+                raise StructureError(
+                    f"dynamic fault tree: too long to solve exactly: {k:,} of {events:,.0f} steps in this time"
+                )
             now = step @ now + stay * now
             k += 1
             weight += math.log(events / k)

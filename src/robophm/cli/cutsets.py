@@ -7,18 +7,18 @@ from typing import Annotated
 import typer
 
 from robophm.cli.shared.fault_trees import (
-    answer_json,
-    answer_text,
-    estimated,
     of_robot,
     print_estimate,
     print_sets,
+    print_unknown,
     sets_json,
+    unknown_json,
 )
 from robophm.cli.shared.options import Design, Json, Limit, MostSets, Order, time_option
 from robophm.cli.shared.output import console, print_json
 from robophm.cli.shared.unused import refuse_unused
 from robophm.design.file import load
+from robophm.report.fault_trees import answer_json, answer_text, estimated
 from robophm.report.words import probability_text
 
 
@@ -50,11 +50,11 @@ def command(
         document = answer_json(answer, by_chance)
         document["unreliability"] = document.pop("probability")
         print_json({"system": system.name, "when": system.when, **document,
-                    f"{kind}_sets": sets_json(listed), **system.json})  # fmt: skip
+                    f"{kind}_sets": sets_json(listed), **unknown_json(system)})  # fmt: skip
         return
     out = console()
     has_failed = system.fails(probability_text(answer.chance.low) if answer.exact else answer_text(answer))
     out.print(f"{system.name}, {system.when}: has failed with {has_failed}", markup=False, soft_wrap=True)
     print_estimate(by_chance)
-    system.print_unknown()
+    print_unknown(system)
     print_sets(listed, f"minimal {kind} set")

@@ -18,20 +18,15 @@ import typer
 from robophm.blocks.listed_sets import ListedSets
 from robophm.blocks.top_event import TopEvent
 from robophm.cli.shared.fault_trees import (
-    System,
-    answer_json,
-    answer_text,
-    estimated,
-    kind_of_sets,
-    of_models,
     of_robot,
     print_estimate,
     print_sets,
-    sets_alone,
+    print_unknown,
     sets_json,
+    unknown_json,
 )
 from robophm.cli.shared.options import ChanceSeed, Json, Limit, MostSets, Order, time_option
-from robophm.cli.shared.output import console, estimate_text, may_write, print_json, print_table, table, write
+from robophm.cli.shared.output import console, may_write, print_json, print_table, table, write
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError
 from robophm.core.json_values import plain
@@ -40,6 +35,22 @@ from robophm.design.importers import galileo
 from robophm.design.importers.open_psa.as_design import as_design
 from robophm.design.importers.open_psa.model import Array
 from robophm.design.importers.open_psa.writing import document
+from robophm.report.fault_trees import (
+    EXCHANGED,
+    System,
+    answer_json,
+    answer_of,
+    at_means,
+    dynamic_text,
+    estimate_text,
+    estimated,
+    kind_of_sets,
+    of_models,
+    sets_alone,
+    short_text,
+    size_text,
+    uncertain,
+)
 from robophm.report.words import number_text
 
 _QUANTILES = (0.05, 0.5, 0.95)
@@ -123,26 +134,24 @@ def tree(
     drawn = system.model.drawn(draws, seed) if system.model and draws else None
     if to:
         write(to, text or document(system.name, event.tree, event.occurred.tolist(), system.rates))
-    size = {"basic_events": len(event.tree.names), "gates": len(event.tree.gates) - len(event.tree.names)}
     if as_json:
         print_json({
-            "top_event": system.name, "when": system.when, **answer_json(answer, by_chance), **size,
+            "top_event": system.name, "when": system.when, **answer_json(answer, by_chance),
+            "basic_events": len(event.tree.names), "gates": len(event.tree.gates) - len(event.tree.names),
             "modules": answer.modules, "nodes": answer.nodes, **_uncertain_json(system, drawn, seed),
             "coherent": event.tree.coherent, **_sets(event, listed),
-            **system.json,
+            **unknown_json(system),
         })  # fmt: skip
         return
     out = console()
-    out.print(f"{system.name}, {system.when}: occurs with {system.fails(answer_text(answer))}", markup=False,
-              soft_wrap=True)  # fmt: skip
+    out.print(system.occurs(answer), markup=False, soft_wrap=True)
     print_estimate(by_chance)
-    system.print_unknown()
+    print_unknown(system)
     if system.model and system.model.exchanged:
-        out.print("Substitutions exchange events in its minimal cut sets: this is the tree of those that are left.")
+        out.print(EXCHANGED)
     if said := _uncertain_text(system, drawn):
         out.print(said, markup=False, soft_wrap=True)
-    out.print(f"{size['basic_events']} basic events, {size['gates']} gates; solved as {answer.modules} modules "
-              f"by {answer.nodes} nodes", markup=False)  # fmt: skip
+    out.print(size_text(event, answer), markup=False)
     print_sets(listed, kind_of_sets(event))
     if to:
         out.print(f"Written: {to}", markup=False)
@@ -160,19 +169,13 @@ def dynamic(source: Path, time: float, limit: float, *, as_json: bool) -> None:
             "states": list(found.states), "basic_events": found.events,
         })  # fmt: skip
         return
-    out = console()
-    out.print(f"{tree.name}, at {number_text(time)} h: occurs with {found.probability:.6g} (exact)", markup=False)
-    if found.mean_time == math.inf:
-        out.print("It may never occur.")
-    elif found.mean_time is not None:
-        out.print(f"It occurs after {number_text(found.mean_time)} h on average.")
-    chains = f"Markov chains of {', '.join(map(str, found.states))} states" if found.states else "no Markov chains"
-    out.print(f"solved by {chains}, and a static tree of {found.events} events over them", soft_wrap=True)
+    for line in dynamic_text(tree.name, time, found):
+        console().print(line, markup=False, soft_wrap=True)
 
 
 def each(systems: Sequence[System], limit: float, *, as_json: bool) -> None:
     """State the probability of each top event and each sequence, and of all sequences of an initiating event."""
-    answers = [_answer(system, limit) for system in systems]
+    answers = [answer_of(system, limit) for system in systems]
     sums: dict[str, float] = {}
     for system, answer in zip(systems, answers, strict=True):
         if system.model and (initiating := system.model.initiating):
@@ -187,29 +190,11 @@ def each(systems: Sequence[System], limit: float, *, as_json: bool) -> None:
         return
     out = console()
     out.print(f"{len(systems)} answers, {systems[0].when}; --top NAME says more of one", markup=False)
-    rows = [(_words(answer), system.name) for system, answer in zip(systems, answers, strict=True)]
+    rows = [(short_text(answer), system.name) for system, answer in zip(systems, answers, strict=True)]
     print_table(out, table("", ("occurs with", "sequence or top event"), rows))
     for initiating, total in sums.items():
         if not math.isnan(total):
             out.print(f"The sequences of {initiating} together: {total:.6g}", markup=False)
-
-
-def _answer(system: System, limit: float) -> dict[str, Any]:
-    if system.no_chance:
-        return {"answer": "structure alone", "probability": None, "at_least": None, "at_most": None,
-                "without_probability": system.no_chance}  # fmt: skip
-    if system.found is None:
-        sure = system.model.decided if system.model else 0.0
-        return {"answer": "exact", "probability": sure, "at_least": sure, "at_most": sure}
-    return answer_json(system.event.within(limit))
-
-
-def _words(answer: dict[str, Any]) -> str:
-    if "without_probability" in answer:
-        return f"no probability: {answer['without_probability']} basic events have none"
-    if answer["probability"] is None:
-        return f"between {answer['at_least']:.6g} and {answer['at_most']:.6g} (proved bounds)"
-    return f"{answer['probability']:.6g} (exact)"
 
 
 def _without_chances(
@@ -224,7 +209,7 @@ def _without_chances(
         sure, words = system.model.decided, system.model.decision
         document = {"answer": "exact", "probability": sure, "at_least": sure, "at_most": sure}
     else:
-        words = f"{system.no_chance} basic events have no probability, so that it has none; its structure alone:"
+        words = system.structure_alone
         document = {"answer": "structure alone", "probability": None, "at_least": None, "at_most": None,
                     "without_probability": system.no_chance, "coherent": system.found.tree.coherent}  # fmt: skip
         listed = sets_alone(system.found.within(limit), most, order)
@@ -238,7 +223,7 @@ def _without_chances(
 
 
 def _uncertain_json(system: System, drawn: Array | None, seed: int) -> dict[str, Any]:
-    count = _uncertain(system)
+    count = uncertain(system)
     if drawn is None:
         return {"uncertain": count} if count else {}
     low, median, high = np.quantile(drawn, _QUANTILES)
@@ -247,25 +232,15 @@ def _uncertain_json(system: System, drawn: Array | None, seed: int) -> dict[str,
 
 
 def _uncertain_text(system: System, drawn: Array | None) -> str:
-    count = _uncertain(system)
-    if not count:
+    if not uncertain(system):
         return ""
     if drawn is None:
-        are = (
-            "1 uncertain expression is at its mean"
-            if count == 1
-            else f"{count} uncertain expressions are at their means"
-        )
-        return f"{are}; --draws 1000 says how far that may be off."
+        return f"{at_means(system)}; --draws 1000 says how far that may be off."
     low, median, high = np.quantile(drawn, _QUANTILES)
     return (
         f"Of {len(drawn):,} draws of what is uncertain 90 % lie between {low:.4g} and {high:.4g}: "
         f"median {median:.4g}, mean {drawn.mean():.4g}."
     )
-
-
-def _uncertain(system: System) -> int:
-    return system.model.chances.uncertain if system.model and system.model.chances else 0
 
 
 def _sets(event: TopEvent, listed: ListedSets) -> dict[str, Any]:
@@ -280,13 +255,15 @@ def by_samples(system: System, samples: int, seed: int, *, as_json: bool) -> Non
 
     found = simulate_tree(system.event.tree, system.event.occurred.tolist(), samples, seed=seed)
     if as_json:
-        print_json({"top_event": system.name, "when": system.when, "seed": seed, **asdict(found), **system.json})
+        print_json(
+            {"top_event": system.name, "when": system.when, "seed": seed, **asdict(found), **unknown_json(system)}
+        )
         return
     console().print(
         f"{system.name}, {system.when}: occurs with {system.fails(estimate_text(found))} ({found.samples:,} samples)",
         markup=False, soft_wrap=True,
     )  # fmt: skip
-    system.print_unknown()
+    print_unknown(system)
 
 
 def systems_of(

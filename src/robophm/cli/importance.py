@@ -10,7 +10,6 @@ from typing import Annotated, Any, cast
 
 import typer
 
-from robophm.cli.shared.fault_trees import of_model
 from robophm.cli.shared.option_hints import with_options
 from robophm.cli.shared.options import Failed, Future, Json, Store, Working, time_option
 from robophm.cli.shared.output import console, print_json, print_table, table
@@ -31,6 +30,7 @@ from robophm.health.report import VIEWS
 from robophm.health.what_matters import what_matters
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.seen_wear import seen_wear
+from robophm.report.fault_trees import of_model
 from robophm.report.words import duration_text, more_text, number_text, percent_text, probability_text, share_text
 
 MEASURES = {

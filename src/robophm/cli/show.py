@@ -13,7 +13,7 @@ from rich.table import Table
 
 from robophm.cli.shared.health_output import print_failures_to_come, print_unknown
 from robophm.cli.shared.options import ChanceSeed, Design, Horizon, Json, Legacy, Unit, horizon_of, time_option
-from robophm.cli.shared.output import console, estimate_text, may_write, print_json, print_table, table, write
+from robophm.cli.shared.output import console, may_write, print_json, print_table, table, write
 from robophm.cli.shared.unused import refuse_unused
 from robophm.core.json_values import plain
 from robophm.design.file import load
@@ -29,6 +29,7 @@ from robophm.health.when_new import NominalFigures, hazard_rates, nominal_figure
 from robophm.report.dependence import dependence
 from robophm.report.diagram_svg import diagram_svg
 from robophm.report.diagram_text import diagram_text
+from robophm.report.fault_trees import estimate_text
 from robophm.report.labels import part_labels
 from robophm.report.outline import Label
 from robophm.report.surroundings import environments_in_words, qualities_in_words

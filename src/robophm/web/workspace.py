@@ -63,6 +63,12 @@ class OutsideError(DesignError):
 MOST_LINES = 400
 
 
+def changed_lines(before: str, now: str) -> tuple[str, ...]:
+    """Return the lines of a unified diff of a text, without its heading; at most MOST_LINES."""
+    lines = difflib.unified_diff(before.splitlines(), now.splitlines(), n=2, lineterm="")
+    return tuple(itertools.islice(lines, 2, MOST_LINES + 2))
+
+
 @dataclass(frozen=True)
 class Draft:
     """The design in one state on the way of its edits."""
@@ -327,10 +333,8 @@ class Workspace:
         if over == digest:
             return
         name = self.path.name
-        before, now = (known or "").splitlines(), content.splitlines()
-        lines = difflib.unified_diff(before, now, "as it was read", f"{name} now", n=2, lineterm="")
         said = f"{name} was changed outside since it was read, and is not written over"
-        raise OutsideError(said, digest, tuple(itertools.islice(lines, MOST_LINES)))
+        raise OutsideError(said, digest, changed_lines(known or "", content))
 
     def _touched(self, saved: int) -> bool:
         """Whether the file holds something else than that state; looked at again only where its stamp has changed."""

@@ -9,6 +9,7 @@ import { CurvePlots, type Curves } from "./analysis/CurvePlots";
 import { Compare } from "./analysis/Compare";
 import { CutSets } from "./analysis/CutSets";
 import { FailureModes } from "./analysis/FailureModes";
+import { FaultTree } from "./analysis/FaultTree";
 import { FieldData } from "./analysis/FieldData";
 import { Importance } from "./analysis/Importance";
 import { WhatIf } from "./analysis/WhatIf";
@@ -32,10 +33,11 @@ export default function Analysis(): ReactNode {
         </div>
       ) : (
         <>
-          <Tabs label="Analysis" chosen={tab} choose={setTab} tabs={[["curves", "Curves"], ["importance", "What matters most"], ["cuts", "What it takes to fail"], ["what-if", "What if"], ["modes", "Failure modes"], ["field", "Field data"], ["compare", "Compare"]]} />
+          <Tabs label="Analysis" chosen={tab} choose={setTab} tabs={[["curves", "Curves"], ["importance", "What matters most"], ["cuts", "What it takes to fail"], ["tree", "Fault tree"], ["what-if", "What if"], ["modes", "Failure modes"], ["field", "Field data"], ["compare", "Compare"]]} />
           {tab === "curves" && <CurvesOf />}
           {tab === "importance" && <Importance />}
           {tab === "cuts" && <CutSets />}
+          {tab === "tree" && <FaultTree />}
           {tab === "what-if" && <WhatIf />}
           {tab === "modes" && <FailureModes />}
           {tab === "field" && <FieldData />}

@@ -1,5 +1,6 @@
 import type { ReactNode } from "react";
 import { outside, save, take, useDesign, useShared } from "../lib/store";
+import { Changed } from "./Changed";
 import { Dialog } from "./Dialog";
 
 /** The file was changed by hand since it was read: what changed, and the ways out. Neither loses anything. */
@@ -15,13 +16,7 @@ export function OutsideDialog(): ReactNode {
   return (
     <Dialog title="The file was changed by hand" close={close}>
       <p>{found.message}. What was changed in it meanwhile:</p>
-      <pre className="changes" tabIndex={0} aria-label="What was changed by hand">
-        {found.changes.slice(2).map((line, i) => (
-          <span key={i} className={line.startsWith("+") ? "added" : line.startsWith("-") ? "removed" : ""}>
-            {`${line}\n`}
-          </span>
-        ))}
-      </pre>
+      <Changed label="What was changed by hand" lines={found.changes} />
       <div className="row">
         <button className="primary" onClick={then(take)} title="What is here comes back by Undo">
           Reload the file

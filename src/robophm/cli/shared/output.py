@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from rich.cells import cell_len
 from rich.console import Console
@@ -19,9 +19,6 @@ from robophm.cli.shared.option_hints import with_options
 from robophm.core.errors import RobophmError
 from robophm.core.files import STANDARD_INPUT
 from robophm.core.json_values import plain
-
-if TYPE_CHECKING:
-    from robophm.groups.monte_carlo import Estimate
 
 SCHEMA_VERSION = 1
 """Version of what ``--json`` prints; each document says it."""
@@ -131,8 +128,3 @@ def write(path: Path, text: str | bytes) -> None:
         write_atomically(path, text)
     except OSError as error:
         raise RobophmError(f"{path}: cannot be written: {error.strerror}") from None
-
-
-def estimate_text(found: Estimate) -> str:
-    """Return an estimated probability and its interval as text."""
-    return f"{found.probability:.6g}, with 95 % confidence between {found.low:.6g} and {found.high:.6g}"

@@ -1,4 +1,4 @@
-"""Analysis of failure modes and the field: FMEA, what alarms mean, learned rates, fitted lives; it changes nothing."""
+"""Analysis of failure modes and the field: FMEA, what alarms mean, learned rates, fitted lives; nothing is changed."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from robophm.core.errors import DataError, RobophmError
+from robophm.core.errors import DataError, DesignError, RobophmError
 from robophm.drafting.received import file_name
 from robophm.health.effects import effects
 from robophm.interface.faults import diagnose
@@ -19,6 +19,7 @@ from robophm.interface.lives import fit
 from robophm.learning.diagnosis.coverage_matrix import coverage, detection_probabilities
 from robophm.learning.life_data.distribution_fitting import as_good_as_best
 from robophm.learning.life_data.observed_lives import read_life_data
+from robophm.learning.rates.evidence import with_evidence
 from robophm.report.fit_page import fit_rows
 from robophm.report.fmeca_page import fmeca_table, unknown_words
 from robophm.report.learned_rates import contradictions, learned_rows, unstated_text
@@ -30,6 +31,7 @@ from robophm.web.routes.data import FileName, Upload
 from robophm.web.routes.design import REFUSED
 from robophm.web.service import Served
 from robophm.web.shapes import Shape
+from robophm.web.workspace import changed_lines
 
 router = APIRouter(prefix="/api/analysis", tags=["analysis"])
 
@@ -61,6 +63,19 @@ class FoundTables(Shape):
     """Names of the sensors of an uploaded table, any of which may be on."""
 
 
+class LearnedTables(FoundTables):
+    """Learned rates, and the design with them."""
+
+    text: str
+    """The text of the design with them; "" where nothing would change."""
+    known: bool
+    """Whether the design has them already."""
+    changes: list[str]
+    """Lines of a unified diff from the text of the design now, the first of many."""
+    revision: int
+    """The revision of the design that it was made of."""
+
+
 def table_of(title: str, columns: list[str], rows: list[list[str]], figures: Iterable[int]) -> FoundTable:
     """Return a table, of many rows the first."""
     return FoundTable(
@@ -69,12 +84,12 @@ def table_of(title: str, columns: list[str], rows: list[list[str]], figures: Ite
 
 
 @contextmanager
-def _uploaded(name: str, body: bytes) -> Iterator[Path]:
-    """A table that was uploaded as a file of its name, whose folder is in no error."""
+def uploaded(name: str, body: bytes, *suffixes: str, expected: str = "a table in .csv or .yaml") -> Iterator[Path]:
+    """A file that was uploaded, of its own name; the folder in which it is read is in no error."""
     with tempfile.TemporaryDirectory(prefix="robophm-") as folder:
         path = Path(folder) / file_name(name)
-        if path.suffix.lower() not in (".csv", ".yaml", ".yml"):
-            raise DataError(f"{name}: expected a table in .csv or .yaml")
+        if path.suffix.lower() not in (suffixes or (".csv", ".yaml", ".yml")):
+            raise DataError(f"{name}: expected {expected}")
         path.write_bytes(body)
         try:
             yield path
@@ -110,7 +125,7 @@ def get_diagnosis(
     """Say what the sensors of a table see, and which faults ``alarms`` that are on mean, or none (``quiet``)."""
     robot = service.prepared().robot
     on = alarms or ([] if quiet else None)
-    with _uploaded(name, body) as path:
+    with uploaded(name, body) as path:
         done = diagnose(robot, path, on, hours=hours)
     columns, rows = coverage_rows(done.sensors, done.coverage)
     seen = table_of("What sees what: P(alarm | failure)", columns, rows, range(1, len(columns)))
@@ -129,23 +144,32 @@ def get_diagnosis(
 
 @router.post("/learned", responses=REFUSED)
 @needs("viewer")
-def get_learned(body: Upload, service: Served, name: FileName) -> FoundTables:
-    """Say what a log of failures in the field says of the design's rates."""
-    robot = service.prepared().robot
-    with _uploaded(name, body) as path:
+def get_learned(body: Upload, service: Served, name: FileName) -> LearnedTables:
+    """Say what a log of failures in the field says of the design's rates, and the design with them."""
+    draft = service.workspace.draft()
+    robot = service.prepared_text(draft.text).robot
+    with uploaded(name, body) as path:
         done = learn(robot, [path])
     columns, rows = learned_rows(done.rates, done.unknown)
     notes = [*contradictions(done.rates), *map(unstated_text, done.unknown), *done.notes]
-    return FoundTables(
-        tables=[table_of("What the field says of its rates", columns, rows, range(1, len(columns)))], notes=notes
-    )
+    text, known = draft.text, False
+    try:
+        text = with_evidence(text, service.workspace.path.name, done.rates)
+        known = bool(done.rates) and text == draft.text
+    except DesignError as error:
+        notes.append(f"They cannot be put into the design here: {error}")
+    table = table_of("What the field says of its rates", columns, rows, range(1, len(columns)))
+    return LearnedTables(
+        tables=[table], notes=notes, text="" if text == draft.text else text, known=known,
+        changes=[*changed_lines(draft.text, text)], revision=draft.revision,
+    )  # fmt: skip
 
 
 @router.post("/fits", responses=REFUSED)
 @needs("viewer")
 def get_fits(body: Upload, name: FileName) -> FoundTables:
     """Life distributions fitted to a table of lives, the best first."""
-    with _uploaded(name, body) as path:
+    with uploaded(name, body) as path:
         data = read_life_data(path)
         if data.parts > MOST_LIVES:
             raise DataError(

@@ -45,4 +45,7 @@ export function Trouble({ children }: { children: string }): ReactNode {
 
 export const messageOf = (error: unknown): string => (error instanceof Error ? error.message : String(error));
 
+/** What is wrong with a time that somebody types; "" where nothing is. */
+export const wrongHours = (text: string): string => (text.trim() && hoursOf(text) === undefined ? "expected a number above 0" : "");
+
 export const hoursOf = (text: string): number | undefined => (Number(text.replace(",", ".")) > 0 ? Number(text.replace(",", ".")) : undefined);
