@@ -49,7 +49,8 @@ thead th{border-bottom:2px solid var(--line);white-space:nowrap}
 tbody th{font-weight:500}
 tbody tr:nth-child(even){background:var(--shade)}
 .number{text-align:right;white-space:nowrap}
-@media screen and (max-width:700px){.diagram svg{max-width:none}}
+@media screen and (max-width:700px){.diagram svg{max-width:none}
+ caption span{display:block;position:sticky;left:0;max-width:calc(100vw - 28px)}}
 @page{margin:14mm;@bottom-right{content:counter(page) " / " counter(pages);font-size:8pt}}
 .tile h3{bookmark-level:none}
 @media print{main{max-width:none;padding:0}body{font-size:10.5pt}
@@ -130,7 +131,7 @@ def table_html(columns: Sequence[str], rows: Iterable[Sequence[object]], caption
                 *(element("td", _cell(value), class_=css[i]) for i, value in enumerate(row[1:], 1)))
         for row in body
     ]  # fmt: skip
-    parts = [element("caption", caption)] if caption else []
+    parts = [element("caption", element("span", caption))] if caption else []
     parts += [element("thead", element("tr", *head)), element("tbody", *_body(lines))]
     return element("div", element("table", *parts), class_="scroll", tabindex="0")
 
