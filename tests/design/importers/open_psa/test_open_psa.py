@@ -166,6 +166,9 @@ LAUGHS = "<!DOCTYPE lolz [" + '<!ENTITY a "ha">' + "".join(
                '</define-parameter><define-basic-event name="z"><float value="0"/>'), "loop: parameter x → x"),
         (event('<parameter name="x"/></define-basic-event><define-parameter name="x" unit="years"><float value="1"/>'
                '</define-parameter><define-basic-event name="z"><float value="0"/>'), "unit 'years' is not taken"),
+        (event('<parameter name="x" unit="hours-1"/></define-basic-event><define-parameter name="x" unit="hours">'
+               '<float value="1"/></define-parameter><define-basic-event name="z"><float value="0"/>'),
+         "parameter 'x' is in hours and asked for in hours-1; expected the same unit"),
         (model(gate("<not>" * 200 + A + "</not>" * 200)), "is nested too deeply; expected at most 100 levels"),
     ],
 )  # fmt: skip

@@ -182,13 +182,15 @@ class Expressions:
     def _parameter(self, said: Element) -> float:
         found = self.parameters.found(said, self._base)
         name, definition = found.name, found.said
+        asked, unit = said.attributes.get("unit"), definition.attributes.get("unit", "float")
+        if asked and asked != definition.attributes.get("unit", asked):
+            raise said.fault(f"parameter '{name}' is in {unit} and asked for in {asked}; expected the same unit")
         if name not in self._values:
             if name in self._under_way:
                 circle = " → ".join([*self._under_way[self._under_way.index(name) :], name])
                 raise said.fault(f"loop: parameter {circle}")
             if len(self._under_way) >= _DEPTH:
                 raise said.fault(f"more than {_DEPTH} parameters that are made of each other")
-            unit = definition.attributes.get("unit", "float")
             if unit not in _UNITS:
                 raise definition.fault(f"unit '{unit}' is not taken; expected {', '.join(_UNITS)}")
             inside = list(definition.inside())
