@@ -8,7 +8,7 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -64,8 +64,8 @@ ENDS_BY_ITSELF = True
 QUICK_END = 2.5
 """The most seconds in which what was heard is taken once it is to end; what still waits then is let go of."""
 
-LOOK_EVERY, MOST_OTHERS = 5.0, 100
-"""Seconds between two looks for robots that came later, and how many are told of."""
+LOOK_EVERY, MOST_ROBOTS = 5.0, 32
+"""Seconds between two looks for robots that came later, and how many robots one process watches."""
 
 
 @dataclass(frozen=True)
@@ -308,33 +308,45 @@ class _Watching:
 def _watch_several(watching: _Watching, source: LiveSource) -> list[End]:
     """Watch robots of one design side by side, each in a thread, its topics below its namespace, its past its own.
 
-    Raises the first error, after the others have ended.
+    Those that are heard later have a source each. Raises the first error, after the others have ended.
     """
-    asked = watching.asked
-    names = robots_of(source, asked.robots or "")
+    asked, told = watching.asked, set[str]()
+    pattern = asked.robots or ""
+    names = _as_many_as_can_be(robots_of(source, pattern), 0, told)
     print(f"watching {len(names)} robots: {', '.join(names)}", file=sys.stderr)
     shared = SharedSource(source, names)
     if asked.store:
         open_store(asked.store).close()  # made by one alone
+    later: dict[str, LiveSource] = {}
 
-    def one(name: str) -> End:
+    def one(name: str, heard: LiveSource, robots: int) -> End:
         store = f"{asked.store}{BETWEEN}{name}" if asked.store else None
         own = replace(asked, namespace=namespace_of(name), store=store)
         try:
-            return replace(watching, asked=own, robots=len(names)).one(shared.parts[name], name, name)
+            return replace(watching, asked=own, robots=robots).one(heard, name, name)
         except RobophmError as error:
+            if name in later:
+                warn(f"{name} is watched no more: {error}")
             raise type(error)(f"{name}: {error}") from None
         finally:
-            shared.parts[name].close()
+            heard.close()
 
-    over = threading.Event()
-    looking = threading.Thread(target=_tell_of_others, args=(source, asked.robots or "", names, over), daemon=True)
-    looking.start()
-    try:
-        with ThreadPoolExecutor(len(names), "robophm") as pool:
-            ends = [pool.submit(one, name) for name in names]
-    finally:
-        over.set()
+    with ThreadPoolExecutor(MOST_ROBOTS, "robophm") as pool:
+        ends = [pool.submit(one, name, shared.parts[name], len(names)) for name in names]
+        first = [*ends]
+        try:
+            while wait(first, LOOK_EVERY).not_done:
+                with suppress(SourceError):  # none is heard now, or the source cannot be asked
+                    new = [name for name in robots_of(source, pattern) if name not in names]
+                    for name in _as_many_as_can_be(new, len(names), told):
+                        opened = open_live(asked.via, period=asked.period).source
+                        later[name] = Remapped(opened, asked.names)
+                        names.append(name)
+                        print(f"watching {name} too", file=sys.stderr)
+                        ends.append(pool.submit(one, name, later[name], MOST_ROBOTS))
+        finally:
+            for heard in later.values():
+                heard.stop()
     failed = [error for end in ends if (error := end.exception())]
     failed.sort(key=lambda error: isinstance(error, EndedBeforeError))
     if failed:
@@ -342,16 +354,14 @@ def _watch_several(watching: _Watching, source: LiveSource) -> list[End]:
     return [end.result() for end in ends]
 
 
-def _tell_of_others(source: LiveSource, pattern: str, watched: Sequence[str], over: threading.Event) -> None:
-    """Warn of each robot that matches and was not heard yet when the watch began, for it is not watched."""
-    told = {*watched}
-    while not over.wait(LOOK_EVERY) and len(told) < len(watched) + MOST_OTHERS:
-        with suppress(SourceError):  # none is heard now, or the source cannot be asked
-            for name in robots_of(source, pattern):
-                if name not in told:
-                    told.add(name)
-                    warn(f"robot {name} was not heard when this watch began, and is not watched; expected a new start, "
-                         "or its name in --robots, which is waited for")  # fmt: skip
+def _as_many_as_can_be(names: Sequence[str], watched: int, told: set[str]) -> list[str]:
+    """Return the first of these robots, as many as one process watches beside others; warn once of each further one."""
+    room = MOST_ROBOTS - watched
+    for name in names[room:]:
+        if name not in told and len(told) < MOST_ROBOTS:
+            told.add(name)
+            warn(f"robot {name} is not watched: one process watches {MOST_ROBOTS} at most; expected another for it")
+    return [*names[:room]]
 
 
 def _to_ros(robot: Robot, opened: RunningRobot, asked: Watched) -> tuple[HealthTopics | None, TaskAssessor | None]:

@@ -7,7 +7,6 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 from pathlib import Path
 
 import pytest
@@ -93,25 +92,60 @@ def test_each_robot_that_matches_has_its_own_figures_topics_and_past(system: Sys
     assert hotter[2] > 2 * hotter[0]
 
 
-def test_who_comes_later_is_told_of(
-    system: System, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Once each, while watching goes on; one that does not match is not."""
+LATER = """
+rospy.init_node("later")
+out = rospy.Publisher("/amr_4/motor", Temperature, queue_size=10)
+say("ready")
+while not rospy.is_shutdown():
+    out.publish(Temperature(header=Header(stamp=rospy.Time.now()), temperature=DEGREES))
+    rospy.sleep(0.05)
+"""
+
+
+def test_who_comes_later_is_watched_and_is_the_same_when_it_comes_back(system: System, tmp_path: Path) -> None:
+    """At 35 °C a rate is twice that at 25 °C, at 55 °C eight times; the past is one, of both spells."""
     system.start_master()
-    over = threading.Event()
-    monkeypatch.setattr(watch, "LOOK_EVERY", 0.05)
-    with Ros1(system.uri) as source:
-        looking = threading.Thread(target=watch._tell_of_others, args=(source, "amr_*", ["amr_1"], over))
-        looking.start()
-        try:
-            system.talk(TALK)
-            said = ""
-            while said.count("was not heard when this watch began") < 2:
-                said += capsys.readouterr().err
-        finally:
-            over.set()
-            looking.join()
-    assert [name for name in (*ROBOTS, "arm_1") if f"robot {name} " in said] == ["amr_2", "amr_3"]
+    system.talk(TALK)
+    (tmp_path / "robot.yaml").write_text(DESIGN)
+    process = subprocess.Popen(
+        [sys.executable, "-c", "from robophm.cli import main, watch; watch.LOOK_EVERY = 0.2; main()", "watch",
+         "robot.yaml", "--via", "ros1", "--robots", "amr_*", "--json", "--every", "0.3", "--store", "past.db"],
+        cwd=tmp_path, env=os.environ | system.environment | {"PATH": os.environ["PATH"]}, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    assert process.stdout is not None
+
+    def heard_at(rate: float) -> None:
+        while True:
+            report = json.loads(process.stdout.readline())  # type: ignore[union-attr]
+            value = report["subjects"][0]["sensor_based"]["hazard_rate"]
+            if report["robot"] == "amr_4" and value == pytest.approx(rate):
+                return
+
+    try:
+        json.loads(process.stdout.readline())
+        talker = system.talk(LATER.replace("DEGREES", "35"))
+        heard_at(0.02)
+        talker.terminate()
+        talker.wait()
+        system.talk(LATER.replace("DEGREES", "55"))
+        heard_at(0.08)
+    finally:
+        process.send_signal(signal.SIGINT)
+        _, warned = process.communicate(timeout=60)
+    assert process.returncode == 0, warned
+    assert warned.count("watching amr_4 too\n") == 1
+    with open_store(tmp_path / "past.db") as store:
+        assert store.robots() == [f"AMR#{name}" for name in (*ROBOTS, "amr_4")]
+
+
+def test_robots_beyond_what_one_process_watches_are_told_of_once(capsys: pytest.CaptureFixture[str]) -> None:
+    names, told = [f"amr_{n}" for n in range(40)], set[str]()
+    assert watch._as_many_as_can_be(names, 0, told) == names[: watch.MOST_ROBOTS]
+    assert watch._as_many_as_can_be(names[32:], 32, told) == []
+    said = capsys.readouterr().err
+    assert [name for name in names if f"robot {name} is not watched" in said] == names[32:]
+    assert said.count("is not watched") == 8
 
 
 def test_others_are_not_for_several_robots() -> None:
