@@ -2,6 +2,7 @@
 
 import math
 import random
+import time
 from itertools import pairwise
 
 import pytest
@@ -162,3 +163,9 @@ def test_by_modules_it_is_as_one_chain(seed):
     if expected is None:
         return
     assert solve(tree, TIME, {}).probability == pytest.approx(expected, rel=1e-9, abs=1e-15)
+
+
+def test_many_steps_of_a_chain_end_in_time():
+    pair = (Basic("a", 1.0), Basic("b", 1e-9), Gate("top", "pand", (1, 0)))
+    with pytest.raises(StructureError, match="steps in this time"):
+        solve(DynamicTree(pair, 2), 400_000.0, {}, time.perf_counter() + 0.05)

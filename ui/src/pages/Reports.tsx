@@ -6,6 +6,7 @@ import { Check, FileButton } from "../parts/Field";
 import { ICONS } from "../parts/Icon";
 import { OnlyFor } from "../parts/OnlyFor";
 import { Preview } from "../parts/Table";
+import { Recordings } from "./reports/Recordings";
 
 export const page = { name: "Reports and data", icon: ICONS.report, order: 80 };
 
@@ -122,6 +123,7 @@ export default function Reports(): ReactNode {
           )}
         </section>
       </div>
+      <Recordings />
     </>
   );
 }
