@@ -109,9 +109,9 @@ def _only(asked: Watched) -> None:
     """Refuse what is not used for what is asked."""
     used = ["via", "store", "notify", "period", "every", "publish", "tasks", "speed", "function", "reports", "words"]
     if asked.robots:
-        used += ["robots"]
+        used += ["robots", "journal", "record"]
         refuse_unused("several robots at once, each with a past and a namespace of its own", [*used, "frame", "unit"])
-    used += ["journal", "namespace", "fleet", "record", "robot"]
+    used += ["journal", "record", "namespace", "fleet", "robot"]
     if asked.as_json:
         refuse_unused("JSON, in 1/h", [*used, "frame"])
     if not asked.publish and not asked.record:
@@ -321,7 +321,8 @@ def _watch_several(watching: _Watching, source: LiveSource) -> list[End]:
 
     def one(name: str, heard: LiveSource, robots: int) -> End:
         store = f"{asked.store}{BETWEEN}{name}" if asked.store else None
-        own = replace(asked, namespace=namespace_of(name), store=store)
+        journal, record = _of_robot(asked.journal, name), _of_robot(asked.record, name)
+        own = replace(asked, namespace=namespace_of(name), store=store, journal=journal, record=record)
         try:
             return replace(watching, asked=own, robots=robots).one(heard, name, name)
         except RobophmError as error:
@@ -352,6 +353,11 @@ def _watch_several(watching: _Watching, source: LiveSource) -> list[End]:
     if failed:
         raise failed[0]
     return [end.result() for end in ends]
+
+
+def _of_robot(path: Path | None, name: str) -> Path | None:
+    """The file of one of several robots, ``health.amr_2.mcap`` for ``health.mcap``."""
+    return path and path.with_stem(f"{path.stem}.{name.replace('/', '.')}")
 
 
 def _as_many_as_can_be(names: Sequence[str], watched: int, told: set[str]) -> list[str]:

@@ -10,14 +10,17 @@ import sys
 from pathlib import Path
 
 import pytest
+from mcap.reader import make_reader
 
 from robophm.cli import watch
 from robophm.core.errors import SourceError, StoreError
+from robophm.core.signal import CLOCK
 from robophm.design.file import parse
 from robophm.health.exposure import ExposureIntegrator
 from robophm.monitoring.stored_past import stored_past
 from robophm.stores import open_store
 from robophm.transports.live.shared_source import robots_of
+from robophm.transports.recordings.journal import Journal
 from robophm.transports.ros1 import Ros1
 
 from ..listener import within
@@ -55,7 +58,7 @@ def test_each_robot_that_matches_has_its_own_figures_topics_and_past(system: Sys
             robots_of(source, "amx_?")
     process = subprocess.Popen(
         [sys.executable, "-m", "robophm", "watch", "robot.yaml", "--via", "ros1", "--robots", "amr_*", "--json",
-         "--every", "0.5", "--store", "past.db"],
+         "--every", "0.5", "--store", "past.db", "--journal", "heard.journal", "--record", "health.mcap"],
         cwd=tmp_path, env=os.environ | system.environment | {"PATH": os.environ["PATH"]}, text=True,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE,
     )  # fmt: skip
@@ -75,6 +78,15 @@ def test_each_robot_that_matches_has_its_own_figures_topics_and_past(system: Sys
     assert {topic.split("/")[1] for topic in published} == {*ROBOTS}
     assert {f"/{name}/phm/{name}" for name in ROBOTS} <= {*published}
     robot = parse(DESIGN)
+    for n, name in enumerate(ROBOTS, 1):
+        with Journal(tmp_path / f"heard.{name}.journal", robot.signals) as journal:
+            heard = {one.value for one in journal.since(0) if one.signal != CLOCK}
+        assert heard == {25 + 10 * n}
+        with (tmp_path / f"health.{name}.mcap").open("rb") as file:
+            summary = make_reader(file).get_summary()
+        assert summary is not None
+        topics = {channel.topic for channel in summary.channels.values()} - {"/diagnostics", "/rosout"}
+        assert {topic.split("/")[1] for topic in topics} == {name}
     with open_store(tmp_path / "past.db") as store:
         assert store.robots() == [f"AMR#{name}" for name in ROBOTS]
     with (
