@@ -14,7 +14,8 @@ from tests.fleet.conftest import wait_for
 from typer.testing import CliRunner
 
 from robophm.cli.app import app
-from robophm.cli.shared.fleet import TOKEN
+from robophm.cli.shared.fleet import TOKEN, TOKENS, fleet_address, token_of
+from robophm.core.errors import RobophmError
 from robophm.fleet.questions import reports, status
 from robophm.fleet.store import FleetStore
 
@@ -116,3 +117,21 @@ def test_a_robot_that_cannot_report_is_not_watched(inside, tmp_path, monkeypatch
     done = inside("watch", EXAMPLE, *words)
     assert (done.returncode, said in done.stderr) == (3, True), done.stderr
     assert not (tmp_path / "r.db").exists()
+
+
+def test_tokens_of_several_robots(tmp_path, monkeypatch):
+    path, several = tmp_path / "tokens", "https://fleet.example/robots/*"
+    path.write_text("amr_1 robophm_1\nsite_amr 2  robophm_2\n\n")
+    monkeypatch.delenv(TOKENS, raising=False)
+    with pytest.raises(RobophmError, match=f"expected the name of a file with the tokens of the robots in {TOKENS}"):
+        fleet_address(several, "past.db", "amr_1")
+    monkeypatch.setenv(TOKENS, str(path))
+    assert fleet_address(several, "past.db", "amr_1").reports == "https://fleet.example/robots/amr_1/reports"
+    assert (token_of("amr_1"), token_of("site_amr 2")) == ("robophm_1", "robophm_2")
+    with pytest.raises(RobophmError, match=r"tokens: no token of amr_2; .*amr_1.*; expected a line 'amr_2 TOKEN'"):
+        fleet_address(several, "past.db", "amr_2")
+    with pytest.raises(RobophmError, match=r"is of one robot; expected https://host/robots/\* of several"):
+        fleet_address("https://fleet.example/robots/amr_1", "past.db", "amr_1")
+    path.unlink()
+    with pytest.raises(RobophmError, match="tokens cannot be read: No such file"):
+        token_of("amr_1")

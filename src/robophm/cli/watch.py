@@ -107,11 +107,12 @@ class Watched:
 
 def _only(asked: Watched) -> None:
     """Refuse what is not used for what is asked."""
-    used = ["via", "store", "notify", "period", "every", "publish", "tasks", "speed", "function", "reports", "words"]
+    used = ["via", "store", "notify", "period", "every", "publish", "tasks", "speed", "function", "reports", "words",
+            "journal", "record", "fleet"]  # fmt: skip
     if asked.robots:
-        used += ["robots", "journal", "record"]
+        used += ["robots"]
         refuse_unused("several robots at once, each with a past and a namespace of its own", [*used, "frame", "unit"])
-    used += ["journal", "record", "namespace", "fleet", "robot"]
+    used += ["namespace", "robot"]
     if asked.as_json:
         refuse_unused("JSON, in 1/h", [*used, "frame"])
     if not asked.publish and not asked.record:
@@ -273,11 +274,14 @@ class _Watching:
         if name:
             robot = replace(robot, path=namespace_of(name)[1:].replace("/", "_"))
             source = OneRobot(source, name)
-        fleet = fleet_address(asked.fleet, asked.store) if asked.fleet else None
+        own = robot.name if whose else None
+        fleet = fleet_address(asked.fleet, asked.store, own) if asked.fleet else None
         with ExitStack() as stack:
             _say_what_is_missing(robot, source, asked.names)
             kept = stack.enter_context(open_store(asked.store)) if asked.store else None
-            sends = stack.enter_context(sender(asked.store, robot.identity, fleet)) if asked.store and fleet else None
+            sends = (
+                stack.enter_context(sender(asked.store, robot.identity, fleet, own)) if asked.store and fleet else None
+            )
             written = stack.enter_context(Journal(asked.journal, robot.signals)) if asked.journal else None
             topics, assessor = _to_ros(robot, self.opened, asked)
             sinks: list[ReportSink] = [stack.enter_context(topics)] if topics else []

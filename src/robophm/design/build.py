@@ -104,6 +104,7 @@ class _Builder:
             notes=(*self.notes, *notes),
             design_hash=hashlib.sha256(content(design, self.contents.__getitem__).encode()).hexdigest(),
             identity=design.identity or design.name,
+            design_name=design.name,
         )
         return replace(robot, task=build_task(design.task, robot, ("task",))) if design.task else robot
 

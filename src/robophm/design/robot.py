@@ -328,6 +328,8 @@ class Robot(Module):
     """SHA-256 of the design's content, to tell results of different designs apart."""
     identity: str = ""
     """Name under which its past is kept; its own unless the design states another."""
+    design_name: str = ""
+    """Name in the design, also where the robot is one of several that have another each."""
     folder: Path = Path()
     """Folder that the design's file is in, for tables that it names; that of a text by itself is where one works."""
 

@@ -186,8 +186,8 @@ class Commit:
         ahead = json.dumps([one._asdict() for one in present.ahead])
         bodies = [zlib.compress(text.encode(), FAST) for text in (present.ledger, json.dumps(present.report))]
         self._present[epoch.robot] = (
-            epoch.robot, epoch.number, present.revision, report.get("robot"), report.get("design_hash"),
-            report.get("time"), ahead, *bodies, present_sum(*bodies),
+            epoch.robot, epoch.number, present.revision, report.get("design", report.get("robot")),
+            report.get("design_hash"), report.get("time"), ahead, *bodies, present_sum(*bodies),
         )  # fmt: skip
 
 

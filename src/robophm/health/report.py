@@ -235,6 +235,7 @@ class HealthReport:
         return {
             "schema_version": SCHEMA_VERSION,
             **{name: getattr(self, name) for name in names},
+            "design": self.design.design_name or self.robot,
             "subjects": [plain(asdict(subject)) | {"state": subject.state} for subject in self.subjects],
             "components": [plain(asdict(component)) for component in self.components],
             "failures_to_come": plain(asdict(self.failures_to_come))

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from robophm.core.errors import StoreError
 from robophm.stores.alarm_log import AlarmLog
 from robophm.stores.events import Event
-from robophm.stores.outbox import Outboxes
+from robophm.stores.outbox import Outbox, Outboxes
 from robophm.stores.service_requests import ServiceRequests
 from robophm.stores.store import History, Progress, Store, TakesRequests
 from robophm.stores.upkeep import Upkeep
@@ -66,10 +65,8 @@ class OneOfSeveral(Store):
 
     @property
     def outboxes(self) -> Outboxes:
-        """Raise StoreError: a fleet knows robots by designs of their own."""
-        raise StoreError(
-            f"one of several robots in {self._where} keeps nothing for a fleet; expected a store of its own"
-        )
+        """The reports of the robot that its fleet has not committed yet."""
+        return _OutboxOfOne(self._store.outboxes, self._own)
 
     def bring_back(self, robot: str, ledger: Mapping[str, Any], time: int) -> None:
         """Keep a ledger that was brought back to a time [ns], and nothing of a later one."""
@@ -82,6 +79,21 @@ class OneOfSeveral(Store):
     def close(self) -> None:
         """Close the store."""
         self._store.close()
+
+
+class _OutboxOfOne(Outboxes):
+    """The outbox of one robot, found under the identity of its design."""
+
+    def __init__(self, outboxes: Outboxes, own: Callable[[str], str]) -> None:
+        self._outboxes, self._own = outboxes, own
+
+    def of(self, robot: str) -> Outbox:
+        """Return the outbox of the robot."""
+        return self._outboxes.of(self._own(robot))
+
+    def put(self, robot: str, reports: Iterable[Mapping[str, Any]]) -> None:
+        """Take in reports of the robot; within the transaction that keeps them."""
+        self._outboxes.put(self._own(robot), reports)
 
 
 class OneThatTakesRequests(OneOfSeveral, TakesRequests):

@@ -16,6 +16,9 @@ from robophm.cli import watch
 from robophm.core.errors import SourceError, StoreError
 from robophm.core.signal import CLOCK
 from robophm.design.file import parse
+from robophm.fleet.experience import kept_ledgers
+from robophm.fleet.questions import status
+from robophm.fleet.store import FleetStore
 from robophm.health.exposure import ExposureIntegrator
 from robophm.monitoring.stored_past import stored_past
 from robophm.stores import open_store
@@ -23,6 +26,7 @@ from robophm.transports.live.shared_source import robots_of
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.ros1 import Ros1
 
+from ...fleet.conftest import serving
 from ..listener import within
 from .conftest import System
 
@@ -56,23 +60,27 @@ def test_each_robot_that_matches_has_its_own_figures_topics_and_past(system: Sys
         assert robots_of(source, "amr_9, amr_[12]") == ["amr_9", "amr_1", "amr_2"]
         with pytest.raises(SourceError, match=r"no robot that is heard now matches 'amx_.'; known: amr_1, amr_2"):
             robots_of(source, "amx_?")
-    process = subprocess.Popen(
-        [sys.executable, "-m", "robophm", "watch", "robot.yaml", "--via", "ros1", "--robots", "amr_*", "--json",
-         "--every", "0.5", "--store", "past.db", "--journal", "heard.journal", "--record", "health.mcap"],
-        cwd=tmp_path, env=os.environ | system.environment | {"PATH": os.environ["PATH"]}, text=True,
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-    )  # fmt: skip
-    assert process.stdout is not None
+    with FleetStore(tmp_path / "fleet.db", make=True) as fleet:
+        tokens = fleet.add_tokens(ROBOTS)
+    (tmp_path / "tokens").write_text("".join(f"{name} {token}\n" for name, token in zip(ROBOTS, tokens, strict=True)))
     rates: dict[str, float] = {}
-    try:
-        while any(rates.get(name, 0.01) == 0.01 for name in ROBOTS):
-            report = json.loads(process.stdout.readline())
-            rates[report["robot"]] = report["subjects"][0]["sensor_based"]["hazard_rate"]
-        published = [topic for topic in system.run("/usr/bin/rostopic", "list").split() if "phm" in topic]
-    finally:
-        process.send_signal(signal.SIGINT)
-        _, warned = process.communicate(timeout=60)
+    with serving(tmp_path / "fleet.db") as served:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "robophm", "watch", "robot.yaml", "--via", "ros1", "--robots", "amr_*", "--json",
+             "--every", "0.5", "--store", "past.db", "--journal", "heard.journal", "--record", "health.mcap",
+             "--fleet", f"{served.address}robots/*"],
+            cwd=tmp_path, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            env=os.environ | system.environment | {"PATH": os.environ["PATH"], "ROBOPHM_FLEET_TOKENS": "tokens"},
+        )  # fmt: skip
+        published, warned = ended(process, system, rates)
     assert process.returncode == 0, warned
+    with FleetStore(tmp_path / "fleet.db") as fleet:
+        told = status(fleet)
+        learned = [kept.ledger is not None for kept in kept_ledgers(fleet, [parse(DESIGN)])]
+    assert [(one.robot, one.design, one.reports > 0, one.refused) for one in told] == [
+        (name, "AMR", True, {}) for name in ROBOTS
+    ]
+    assert learned == [True] * 3
     assert "watching 3 robots: amr_1, amr_2, amr_3\n" in warned
     assert rates == {name: pytest.approx(0.01 * 2**n) for n, name in enumerate(ROBOTS, 1)}
     assert {topic.split("/")[1] for topic in published} == {*ROBOTS}
@@ -102,6 +110,20 @@ def test_each_robot_that_matches_has_its_own_figures_topics_and_past(system: Sys
             hotter.append(float(lived.effective.value[0] / lived.age.value[0]))
     assert hotter == sorted(hotter)
     assert hotter[2] > 2 * hotter[0]
+
+
+def ended(process: subprocess.Popen[str], system: System, rates: dict[str, float]) -> tuple[list[str], str]:
+    """End a watch once each robot's hazard rate is another than by design: the topics published then, and warnings."""
+    assert process.stdout is not None
+    try:
+        while any(rates.get(name, 0.01) == 0.01 for name in ROBOTS):
+            report = json.loads(process.stdout.readline())
+            rates[report["robot"]] = report["subjects"][0]["sensor_based"]["hazard_rate"]
+        published = [topic for topic in system.run("/usr/bin/rostopic", "list").split() if "phm" in topic]
+    finally:
+        process.send_signal(signal.SIGINT)
+        _, warned = process.communicate(timeout=60)
+    return published, warned
 
 
 LATER = """
