@@ -211,11 +211,11 @@ def theirs(tmp_path):
     """Another package, installed: the store of the recipe, under the name of theirs."""
     recipe = (Path(__file__).parents[2] / "docs/guides/extending.md").read_text(encoding="utf-8")
     (text,) = re.findall(r"stores/jsonl\.py\*\*\n\n```python\n(.*?)^```", recipe, re.MULTILINE | re.DOTALL)
-    (tmp_path / "their_store.py").write_text(text)
-    about = tmp_path / "their_store-1.0.dist-info"
+    (tmp_path / "their_recipe.py").write_text(text)
+    about = tmp_path / "their_recipe-1.0.dist-info"
     about.mkdir()
-    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: their-store\nVersion: 1.0\n")
-    (about / "entry_points.txt").write_text("[robophm.stores]\ntheirs = their_store\n")
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: their-recipe\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text("[robophm.stores]\ntheirs = their_recipe\n")
     with pytest.MonkeyPatch.context() as patched:
         patched.syspath_prepend(str(tmp_path))
         yield "theirs:past.txt"
