@@ -181,6 +181,7 @@ STATES: list[tuple[str, str, Callable[[Page], None]]] = [
     ("parts, paste", "parts", clicking("button", "Paste from a spreadsheet")),
     ("analysis, what matters most", "analysis", clicking("tab", "What matters most")),
     ("analysis, cut sets", "analysis", clicking("tab", "What it takes to fail")),
+    ("analysis, fault tree", "analysis", clicking("tab", "Fault tree")),
     ("analysis, what if", "analysis", clicking("tab", "What if")),
     ("analysis, failure modes", "analysis", clicking("tab", "Failure modes")),
     ("analysis, field data", "analysis", clicking("tab", "Field data")),
