@@ -22,7 +22,8 @@ EMPTY = {
 
 
 BEYOND = """() => [...document.querySelectorAll("main *, header *")]
-  .filter((one) => one.getBoundingClientRect().right > innerWidth + 1 && !one.closest(".scroll, .tabs, .react-flow, .hidden"))
+  .filter((one) => one.getBoundingClientRect().right > innerWidth + 1)
+  .filter((one) => !one.closest(".scroll, .tabs, .react-flow, .hidden"))
   .map((one) => one.outerHTML.slice(0, 150))"""
 """What reaches beyond the right edge, and in nothing that scrolls."""
 
