@@ -32,7 +32,7 @@ def command(
     end: Annotated[str | None, typer.Option("--to", metavar="TIME", help="end, itself not included; else now")] = None,
     as_json: Json = False,
 ) -> None:
-    """How the fleet was, day by day: how many robots were expected to fail, and how their probabilities spread."""
+    """How the fleet was, day by day: robots expected to fail, and how their probabilities spread."""
     hours = horizon_of(horizon)
     first, last = span_of(start, end)
     last = time.time_ns() if last is None else last
