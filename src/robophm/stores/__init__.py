@@ -44,7 +44,7 @@ def open_store(address: Address) -> Store:
     try:
         store = kind(where)
         robot = _split(address)[2]
-        return one_of_several(where, store, robot) if robot else store
+        return one_of_several(store, robot) if robot else store
     except RobophmError:
         raise
     except Exception as error:  # whatever a store of another package raises where it is given something else

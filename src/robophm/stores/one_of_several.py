@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -21,9 +20,9 @@ BETWEEN = "#"
 class OneOfSeveral(Store):
     """A store in which one robot's past is found under the identity of its design, as if there were no other."""
 
-    def __init__(self, where: str | os.PathLike[str], *, store: Store, robot: str) -> None:
-        """Look at an open ``store``, which is at ``where``, as that of the ``robot`` of this name."""
-        self._where, self._store, self._robot = where, store, robot
+    def __init__(self, store: Store, robot: str) -> None:
+        """Look at an open store as that of the robot of this name."""
+        self._store, self._robot = store, robot
 
     def _own(self, identity: str) -> str:
         return f"{identity}{BETWEEN}{self._robot}"
@@ -105,7 +104,7 @@ class OneThatTakesRequests(OneOfSeveral, TakesRequests):
         return self._store.service_requests(self._own(robot))
 
 
-def one_of_several(where: str, store: Store, robot: str) -> Store:
-    """Return an open store, which is at ``where``, as that of one robot."""
+def one_of_several(store: Store, robot: str) -> Store:
+    """Return an open store as that of one robot."""
     kind = OneThatTakesRequests if isinstance(store, TakesRequests) else OneOfSeveral
-    return kind(where, store=store, robot=robot)
+    return kind(store, robot)

@@ -147,11 +147,12 @@ def test_who_comes_later_is_watched_and_is_the_same_when_it_comes_back(system: S
         cwd=tmp_path, env=os.environ | system.environment | {"PATH": os.environ["PATH"]}, text=True,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE,
     )  # fmt: skip
-    assert process.stdout is not None
+    lines = process.stdout
+    assert lines is not None
 
     def heard_at(rate: float) -> None:
         while True:
-            report = json.loads(process.stdout.readline())  # type: ignore[union-attr]
+            report = json.loads(lines.readline())
             value = report["subjects"][0]["sensor_based"]["hazard_rate"]
             if report["robot"] == "amr_4" and value == pytest.approx(rate):
                 return

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from ..test_recordings import VOLTAGE, drive, served  # noqa: F401  the fixtures
+from ..test_recordings import VOLTAGE, drive, served
+
+__all__ = ["drive", "served"]  # fixtures
 
 
-def test_topics_and_the_course_of_a_signal(visit, served):  # noqa: F811
+def test_topics_and_the_course_of_a_signal(visit, served):
     look = visit(served)
     page = look.open("reports")
     page.get_by_label("Recording", exact=True).select_option("drive.mcap")
