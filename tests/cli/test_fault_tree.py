@@ -204,6 +204,22 @@ def test_a_model_of_two_files_and_one_that_constants_decide(inside, tmp_path):
     assert json.loads(inside("fault-tree", "sure.xml", "--json").stdout)["probability"] == 1.0
 
 
+def test_a_model_that_asks_nothing(inside, tmp_path):
+    """As the files of basic events that come beside a tree; a wrong one is refused."""
+    path = tmp_path / "data.xml"
+    text = '<opsa-mef><model-data><define-basic-event name="a"><float value="{}"/></define-basic-event></model-data>'
+    path.write_text(text.format(0.1) + "</opsa-mef>")
+    done = inside("fault-tree", path)
+    assert done.returncode == 0
+    assert "defines no gate, and no initiating event with an event tree: there is nothing to compute" in done.stdout
+    assert json.loads(inside("fault-tree", path, "--json").stdout)["answers"] == []
+    refused = inside("fault-tree", path, "--draws", 10)
+    assert (refused.returncode, "not used for a model that asks nothing" in refused.stderr) == (2, True)
+    path.write_text(text.format(1.5) + "</opsa-mef>")
+    refused = inside("fault-tree", path)
+    assert (refused.returncode, "'a' has the probability 1.5; expected 0 … 1" in refused.stderr) == (3, True)
+
+
 def test_each_sequence_of_an_event_tree(inside, tmp_path):
     """Beside the top event; together the sequences are sure."""
     works, fails = "<not><gate name='stop fails'/></not>", "<gate name='stop fails'/>"

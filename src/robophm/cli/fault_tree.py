@@ -37,6 +37,7 @@ from robophm.design.importers.open_psa.model import Array
 from robophm.design.importers.open_psa.writing import document
 from robophm.report.fault_trees import (
     EXCHANGED,
+    NOTHING_ASKED,
     System,
     answer_json,
     answer_of,
@@ -100,6 +101,10 @@ def command(
         dynamic(sources[0], time, limit, as_json=as_json)
         return
     systems = systems_of(sources, function, top, time, by_chance=monte_carlo is not None, drawn=draws is not None)
+    if not systems:
+        refuse_unused("a model that asks nothing", ("time",))
+        nothing_asked(sources, as_json=as_json)
+        return
     if len(systems) > 1:
         refuse_unused(f"a model that answers {len(systems)} questions; --top names one", ("time", "top", "limit"))
         each(systems, limit, as_json=as_json)
@@ -195,6 +200,15 @@ def each(systems: Sequence[System], limit: float, *, as_json: bool) -> None:
     for initiating, total in sums.items():
         if not math.isnan(total):
             out.print(f"The sequences of {initiating} together: {total:.6g}", markup=False)
+
+
+def nothing_asked(sources: Sequence[Path], *, as_json: bool) -> None:
+    """State that a model is in order, and what it lacks to answer anything."""
+    names = ", ".join(map(str, sources))
+    if as_json:
+        print_json({"note": NOTHING_ASKED, "answers": []})
+        return
+    console().print(f"{names}: {NOTHING_ASKED}. Nothing in it is wrong.", markup=False, soft_wrap=True)
 
 
 def _without_chances(

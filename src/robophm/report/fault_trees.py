@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 BESIDE_BOUNDS = 1_000_000
 """Samples of an estimate beside bounds: a second or two."""
 
+NOTHING_ASKED = "defines no gate, and no initiating event with an event tree: there is nothing to compute"
+"""A note on a model in which nothing is wrong and nothing asked."""
+
 EXCHANGED = "Substitutions exchange events in its minimal cut sets: this is the tree of those that are left."
 """A note on a model with substitutions."""
 
@@ -84,17 +87,17 @@ def of_new_robot(new: Outlook, function: str | None, hours: float) -> System:
 
 def of_model(path: Path, time: float | None) -> System:
     """Return the system of a model in the Open-PSA format that answers one question, at a mission time."""
-    return _of(load(path, time), [path], time)
+    return _of(load(path, time), [path])
 
 
 def of_models(paths: Sequence[Path], time: float | None, top: str | None) -> list[System]:
     """Return the top events of a model, of one file or several, and the sequences of its event trees; or those named
-    ``top`` alone."""
-    return [_of(model, paths, time) for model in load_all(paths, time, top)]
+    ``top`` alone; nothing where it has none."""
+    return [_of(model, paths) for model in load_all(paths, time, top)]
 
 
-def _of(model: Model, paths: Sequence[Path], time: float | None) -> System:
-    event = model.structure() if model.tree else None
+def _of(model: Model, paths: Sequence[Path]) -> System:
+    event, time = model.structure() if model.tree else None, model.time
     when = f"at {number_text(time)} h" if time is not None else "as given"
     names = ", ".join(path.name for path in paths)
     return System(model.name, when, event, model=model, source=names, time=time, no_chance=len(model.no_chance))

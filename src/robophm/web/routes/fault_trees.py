@@ -20,6 +20,7 @@ from robophm.design.importers.open_psa.writing import document
 from robophm.health.importance import LONGEST
 from robophm.report.fault_trees import (
     EXCHANGED,
+    NOTHING_ASKED,
     System,
     answer_of,
     at_means,
@@ -121,6 +122,8 @@ def get_fault_tree_of_file(
         if path.suffix.lower() == ".dft":
             return _dynamic(path, name, hours)
         systems = [_bounded(system) for system in of_models([path], hours, top)]
+        if not systems:
+            return FoundTree(says=f"{name}: {NOTHING_ASKED}.", tree=[], more=0, tables=[], notes=[])
         return _found(systems[0]) if len(systems) == 1 else _each(systems, name)
 
 

@@ -330,7 +330,9 @@ WRONG = {
         two_trains(substitution("x", both("pump1"), '<basic-event name="hot"/>', ["pump2"])
                    + substitution("y", both("hot"), '<basic-event name="cold"/>', ["valve1"]))
     ],
-    "defines no gate": [f'<define-event-tree name="T">{S}</define-event-tree>', ""],
+    "'B' is not defined": [
+        f'<define-event-tree name="T">{sequences("S")}{initial(collect(gate("B")) + to("S"))}</define-event-tree>'
+    ],
     "is not taken": ['<define-extern-library name="x" path="y"/>'],
 }  # fmt: skip
 

@@ -24,17 +24,23 @@ def load_all(path: Path | Sequence[Path], time: float | None = None, top: str | 
     """Read a model, of one file or several, and return what it answers: its top events, and the sequences of its event
     trees, in each phase of its alignments.
 
-    ``time`` is its mission time [h]. ``top``: the name of a gate, or of a sequence, alone. Raises DesignError, one line
-    with file and line, for what is no XML, not taken or contradicts itself.
+    ``time`` is its mission time [h]. ``top``: the name of a gate, or of a sequence, alone. A model without gates and
+    event trees answers nothing. Raises DesignError, one line with file and line, for what is no XML, not taken or
+    contradicts itself; where only one is wanted, what it does not hang on may be wrong.
     """
     definitions = Definitions([path] if isinstance(path, Path) else list(path), time)
-    return [definitions.model(question) for question in definitions.questions(top)]
+    models = [definitions.model(question) for question in definitions.questions(top)]
+    if top is None:
+        definitions.check()
+    return models
 
 
 def load(path: Path | Sequence[Path], time: float | None = None, top: str | None = None) -> Model:
     """Read the one thing that a model answers, as ``load_all``. Raises DesignError where it answers several."""
     definitions = Definitions([path] if isinstance(path, Path) else list(path), time)
     questions = definitions.questions(top)
+    if not questions:
+        raise DesignError(f"{definitions.where}: defines no gate, and no initiating event with an event tree")
     if len(questions) > 1:
         names = [f"'{question.name}'{question.where}" for question in questions]
         named = ", ".join(names[:MOST_NAMED]) + (f" and {len(names) - MOST_NAMED} more" if names[MOST_NAMED:] else "")
@@ -42,4 +48,7 @@ def load(path: Path | Sequence[Path], time: float | None = None, top: str | None
             f"{definitions.where}: answers {len(names)} questions: {named}; expected one, or the name of the top gate "
             "or sequence"
         )
-    return definitions.model(questions[0])
+    model = definitions.model(questions[0])
+    if top is None:
+        definitions.check()
+    return model

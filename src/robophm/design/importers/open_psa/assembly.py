@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -89,9 +89,8 @@ class Assembly:
         if found is None:
             found = self._set[formula.houses] = Formulas(self._events, {}, self._gates)
         houses = dict(formula.houses)
-        for name in _order(self._events, formula.said, formula.base):
-            if name not in found.values:
-                found.values[name] = self._event(name, found, houses)
+        for name in _order(self._events, formula.said, formula.base, found.values):
+            found.values[name] = self._event(name, found, houses)
         return found.value(_inside(formula.said), formula.base)
 
     def all_of(self, values: Sequence[int | bool]) -> int | bool:
@@ -167,15 +166,16 @@ def _common(group: Group, expressions: Expressions) -> Iterator[tuple[str, float
         yield f"[{' '.join(together)}]", p
 
 
-def _order(events: Names, said: Element, base: str) -> list[str]:
-    """All events that a formula hangs on, inputs first. Raises DesignError for what is not defined, and loops."""
+def _order(events: Names, said: Element, base: str, known: Container[str]) -> list[str]:
+    """The events that a formula hangs on but those that are known, inputs first. Raises DesignError for what is not
+    defined, and loops."""
     done: dict[str, None] = {}
     under_way: dict[str, None] = {}
     for first in _inputs(events, said, base, under_way):
         todo = [first]
         while todo:
             name = todo[-1]
-            if name in done:
+            if name in done or name in known:
                 todo.pop()
             elif name in under_way:
                 under_way.pop(name)

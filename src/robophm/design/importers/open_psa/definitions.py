@@ -49,8 +49,8 @@ class Definitions:
 
     def __init__(self, paths: list[Path], time: float | None) -> None:
         self.where = ", ".join(map(str, paths))
-        self._time = time
         self._files = Files(paths)
+        self._time = self._files.time if time is None else time
         self._events, self._parameters = Names(), Names()
         self._groups: list[Group] = []
         self._trees: dict[str, Element] = {}
@@ -117,10 +117,23 @@ class Definitions:
         found = [question for phase in self._phases for question in self._in_phase(phase, wanted)]
         if not found:
             gates = [one.name for one in self._events if one.kind == "gate"]
-            if wanted is None:
-                raise DesignError(f"{self.where}: defines no gate, and no initiating event with an event tree")
-            raise DesignError(f"{self.where}: no gate or sequence '{wanted}'{nearest(wanted, gates)}")
+            if wanted is not None:
+                raise DesignError(f"{self.where}: no gate or sequence '{wanted}'{nearest(wanted, gates)}")
         return found
+
+    def check(self) -> None:
+        """Raise DesignError for what is wrong in a definition, whoever asks for it.
+
+        Where no mission time is given, expressions are worked out for one hour.
+        """
+        expressions = Expressions(self._parameters, 1.0 if self._time is None else self._time)
+        expressions.check()
+        assembly = Assembly(self._events, self._groups, expressions)
+        for one in self._events:
+            if one.kind == "basic-event" and list(one.said.inside()):
+                expressions.probability(one.said, one.base)
+            elif one.kind == "gate":
+                assembly.value(Formula(one.said, one.base))
 
     def _in_phase(self, phase: Phase, wanted: str | None) -> list[Question]:
         during = f" ({phase.name}, {phase.fraction:g} of the time)" if phase.name else ""
@@ -164,11 +177,13 @@ class Definitions:
                     f"{self.where}: '{question.name}' has the probability {question.chance:g}; expected 0 … 1"
                 )
             decided = min(question.chance, 1.0)
-            return Model(question.name, None, NO_EVENTS, NO_EVENTS, decided, initiating=question.initiating)
+            return Model(
+                question.name, None, NO_EVENTS, NO_EVENTS, decided, initiating=question.initiating, time=self._time
+            )
         assembly = Assembly(self._events, self._groups, expressions)
         ways = [assembly.all_of([assembly.value(one) for one in formulas]) for formulas in question.ways]
         model = self._substitutions.applied(assembly, question.name, assembly.any_of(ways))
-        return replace(model, initiating=question.initiating)
+        return replace(model, initiating=question.initiating, time=self._time)
 
 
 def _public(said: Element, *, public: bool) -> bool:

@@ -27,6 +27,10 @@ class Deviate(NamedTuple):
     most: int
     mean: Callable[..., float]
     quantile: Callable[..., float]
+    valid: Callable[..., bool]
+    """Whether there is one of such arguments."""
+    expected: str
+    """Words for arguments that are valid."""
 
 
 def _lognormal(said: Sequence[float]) -> tuple[float, float]:
@@ -67,11 +71,23 @@ def _lognormal_quantile(level: float, *said: float) -> float:
 
 
 def _bins(said: Sequence[float]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Bounds and shares of the bins of a histogram. Raises ValueError where it is none."""
+    """Bounds and shares of the bins of a histogram."""
     bounds, weights = np.array([said[0], *said[1::2]]), np.array(said[2::2])
-    if len(weights) != len(bounds) - 1 or (np.diff(bounds) <= 0).any() or (weights < 0).any() or not weights.sum():
-        raise ValueError
     return bounds, weights / weights.sum()
+
+
+def _is_histogram(*said: float) -> bool:
+    bounds, weights = np.array([said[0], *said[1::2]]), np.array(said[2::2])
+    return bool(
+        len(weights) == len(bounds) - 1 and (np.diff(bounds) > 0).all() and (weights >= 0).all() and weights.sum()
+    )
+
+
+def _is_lognormal(*said: float) -> bool:
+    if len(said) == 2:
+        return said[1] > 0
+    mean, factor, level = said
+    return mean > 0 and factor > 1 and 0.5 < level < 1
 
 
 def _histogram_mean(*said: float) -> float:
@@ -86,16 +102,30 @@ def _histogram_quantile(level: float, *said: float) -> float:
 
 DEVIATES: Mapping[str, Deviate] = {
     "uniform-deviate": Deviate(
-        2, 2, lambda low, high: (low + high) / 2, lambda level, low, high: low + level * (high - low)
+        2, 2, lambda low, high: (low + high) / 2, lambda level, low, high: low + level * (high - low),
+        lambda low, high: low < high, "its lower end below its upper",
     ),
     "normal-deviate": Deviate(
-        2, 2, lambda mean, deviation: mean, lambda level, mean, deviation: mean + deviation * _standard(level)
+        2, 2, lambda mean, deviation: mean, lambda level, mean, deviation: mean + deviation * _standard(level),
+        lambda mean, deviation: deviation > 0, "a mean and a deviation above zero",
     ),
-    "lognormal-deviate": Deviate(2, 3, _lognormal_mean, _lognormal_quantile),
-    "gamma-deviate": Deviate(2, 2, lambda shape, scale: shape * scale, _gamma),
-    "histogram": Deviate(3, 2001, _histogram_mean, _histogram_quantile),
-    "beta-deviate": Deviate(2, 2, lambda alpha, beta: alpha / (alpha + beta), _beta),
-}
+    "lognormal-deviate": Deviate(
+        2, 3, _lognormal_mean, _lognormal_quantile, _is_lognormal,
+        "a location and a scale above zero, or a mean above zero, an error factor above one and its level",
+    ),
+    "gamma-deviate": Deviate(
+        2, 2, lambda shape, scale: shape * scale, _gamma,
+        lambda shape, scale: shape > 0 and scale > 0, "a shape and a scale above zero",
+    ),
+    "histogram": Deviate(
+        3, 2001, _histogram_mean, _histogram_quantile, _is_histogram,
+        "bounds that rise, each with a weight of zero or more",
+    ),
+    "beta-deviate": Deviate(
+        2, 2, lambda alpha, beta: alpha / (alpha + beta), _beta,
+        lambda alpha, beta: alpha > 0 and beta > 0, "two parameters above zero",
+    ),
+}  # fmt: skip
 """The kinds by their names."""
 
 

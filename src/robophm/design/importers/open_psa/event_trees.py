@@ -17,7 +17,7 @@ from robophm.core.errors import nearest
 from robophm.core.markup import Element
 from robophm.design.importers.open_psa.assembly import Formula
 from robophm.design.importers.open_psa.expressions import Expressions
-from robophm.design.importers.open_psa.formulas import constant
+from robophm.design.importers.open_psa.formulas import constant, references
 from robophm.design.importers.open_psa.names import Names, name_of
 
 MOST_WAYS = 100_000
@@ -257,6 +257,8 @@ class _Walk:
             chosen = 1 if self._expressions.value(inside[0]) else 2
             return self._instructed(inside[chosen : chosen + 1], way)
         if said.tag == "collect-formula":
+            for one in references(said):
+                self._events.found(one, "")
             return replace(way, formulas=(*way.formulas, Formula(said, "", tuple(sorted(way.houses.items())))))
         if said.tag == "collect-expression" and len(inside) == 1:
             chance = (1.0 if way.chance is None else way.chance) * self._expressions.value(inside[0])

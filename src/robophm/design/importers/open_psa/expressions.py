@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from robophm.core.errors import nearest
 from robophm.core.markup import Element
 from robophm.design.importers.open_psa.deviates import DEVIATES, Levels
-from robophm.design.importers.open_psa.names import Names
+from robophm.design.importers.open_psa.names import Named, Names
 from robophm.design.importers.open_psa.periodic_tests import unavailability
 
 _DEPTH = 50  # parameters that are made of parameters
@@ -85,6 +85,11 @@ class Expressions:
         self._initiating, self._states = initiating, states
         self._values.clear()  # a parameter may be made of a test
 
+    def check(self) -> None:
+        """Work out every parameter. Raises DesignError for one that has no value."""
+        for one in self.parameters:
+            self._worth(one, one.said)
+
     def probability(self, event: Element, base: str = "") -> tuple[float, float]:
         """(p, 1 − p) of a basic event that is defined in ``base``.
 
@@ -152,15 +157,32 @@ class Expressions:
             )
         if said.tag in DEVIATES:
             return self._deviate(said)
+        if said.tag == "switch" and said.children:
+            return self._switched(said)
         if said.tag not in _FUNCTIONS:
-            known = (*_FUNCTIONS, *DEVIATES, *_TIMED, "float", "int", "bool", "parameter", "system-mission-time")
+            known = (*_FUNCTIONS, *DEVIATES, *_TIMED, "float", "int", "bool", "parameter", "switch",
+                     "system-mission-time")  # fmt: skip
             raise said.fault(f"expression '{said.tag}' is not taken{nearest(said.tag, known)}")
         fewest, most, function = _FUNCTIONS[said.tag]
         return self._guarded(said, function, self._arguments(said, fewest, most))
 
+    def _switched(self, said: Element) -> float:
+        """The value of the first case whose condition is true, or of the last expression; all are worked out."""
+        *cases, other = said.inside()
+        found = self.value(other)
+        for case in reversed(cases):
+            inside = list(case.inside())
+            if case.tag != "case" or len(inside) != 2:
+                raise case.fault(f"'{case.tag}' of {len(inside)} expressions; expected a case: a condition and a value")
+            condition, value = map(self.value, inside)
+            found = value if condition else found
+        return found
+
     def _deviate(self, said: Element) -> float:
         kind = DEVIATES[said.tag]
         arguments = self._arguments(said, kind.fewest, kind.most)
+        if not kind.valid(*arguments):
+            raise said.fault(f"'{said.tag}' of {', '.join(f'{x:g}' for x in arguments)}; expected {kind.expected}")
         self.uncertain.add(id(said))
         if self._levels is None:
             return self._guarded(said, kind.mean, arguments)
@@ -181,11 +203,16 @@ class Expressions:
 
     def _parameter(self, said: Element) -> float:
         found = self.parameters.found(said, self._base)
+        asked, unit = said.attributes.get("unit"), found.said.attributes.get("unit", "float")
+        if asked and asked != found.said.attributes.get("unit", asked):
+            raise said.fault(f"parameter '{found.name}' is in {unit} and asked for in {asked}; expected the same unit")
+        return self._worth(found, said)
+
+    def _worth(self, found: Named, said: Element) -> float:
+        """The value of a parameter, for which an element asks."""
         name, definition = found.name, found.said
-        asked, unit = said.attributes.get("unit"), definition.attributes.get("unit", "float")
-        if asked and asked != definition.attributes.get("unit", asked):
-            raise said.fault(f"parameter '{name}' is in {unit} and asked for in {asked}; expected the same unit")
         if name not in self._values:
+            unit = definition.attributes.get("unit", "float")
             if name in self._under_way:
                 circle = " → ".join([*self._under_way[self._under_way.index(name) :], name])
                 raise said.fault(f"loop: parameter {circle}")

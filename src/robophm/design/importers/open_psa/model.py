@@ -55,6 +55,8 @@ class Model:
     """The expressions of its probabilities; None where there are none."""
     exchanged: bool = False
     """Whether it is the tree of the minimal cut sets in which substitutions have exchanged events."""
+    time: float | None = None
+    """Mission time [h]; None where none is given."""
     no_chance: tuple[Element, ...] = ()
     """Definitions of basic events without a probability. Where there are any, all probabilities are one half."""
 
