@@ -35,7 +35,7 @@ def test_commands_print_what_the_page_says(page: Path, tmp_path: Path, monkeypat
             assert words(line) in output, f"{line}\n{output}"
             continue
         program, *arguments = shlex.split(line[2:])
-        if program == "python":
+        if program == "python3":
             subprocess.run([sys.executable, *arguments], cwd=tmp_path, check=True, timeout=60)
             continue
         done = run_inside(tmp_path, arguments, monkeypatch)
