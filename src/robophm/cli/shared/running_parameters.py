@@ -1,4 +1,4 @@
-"""What may be changed of a watch that runs, as parameters of its node."""
+"""The settings that may be changed of a watch that runs, as parameters of its node."""
 
 from __future__ import annotations
 
