@@ -193,6 +193,13 @@ components:
        threshold_deviation: 2 lx, share: 0.7, teachers: lamps.csv,
        ambient: {topic: /day, field: lux, range: [0, 1e4], max_age: 9 s}, load: {topic: /u, field: v, range: [11, 13]}}
   Pump: {rate: 5 FIT, quantity: 3}
+  Lidar:
+    rate: 5 FIT
+    failed_when:
+      - {log: /lidar, level: fatal, words: no data}
+      - {lifecycle: /lidar}
+      - {topic: /lidar/status, field: fault, values: [1], works: [0]}
+    clocks: {starts: {topic: /lidar/transition_event, edge: goal_state.id, becomes: 3}}
   Wheel: {rate: 5 FIT, quantity: 2}
   Axle: {rate: 5 FIT, quantity: 2}
   Right: {rate: 5 FIT, depends_on: {parallel: [C, D]}}
@@ -211,6 +218,7 @@ diagram:
     - k_of_n: {k: 1, of: ["M/Motor[1]", "/M/Motor[2]"]}
     - standby: {of: [Pump], active: 2, dormancy: 0.1, switch: 0.99}
     - load_sharing: {of: [Wheel], k: 1, exponent: 3}
+    - Lidar
     - load_sharing: {of: [Axle], factors: [1, 2.5]}
     - network:
         from: in

@@ -12,8 +12,9 @@ from typer.testing import CliRunner
 from robophm.cli.app import app
 from robophm.core.errors import RobophmError, StoreError
 from robophm.core.single_writer import only_one
-from robophm.fleet import daily_history
-from robophm.fleet.daily_history import DAY, OVER, write_days
+from robophm.fleet import daily_history, history_files
+from robophm.fleet.daily_history import DAY, write_days
+from robophm.fleet.history_files import OVER
 from robophm.fleet.payload import Payload, PresentState, Report
 from robophm.fleet.questions import reports
 from robophm.fleet.store import FleetStore
@@ -72,7 +73,8 @@ def of_files(folder):
 
 
 def test_what_is_read_back_are_the_rows_of_the_store_to_the_bit(store, tmp_path, monkeypatch):
-    monkeypatch.setattr(daily_history, "AT_ONCE", 7)  # several reads and groups of rows
+    monkeypatch.setattr(daily_history, "AT_ONCE", 7)  # several reads, and below groups of rows
+    monkeypatch.setattr(history_files, "AT_ONCE", 7)
     made = write_days(store, tmp_path / "days", FIRST + 3 * DAY + OVER)
     rows, designs, found = of_files(tmp_path / "days")
     assert rows == of_store(store)

@@ -13,11 +13,13 @@ from typer.testing import CliRunner
 from robophm.cli.app import app
 from robophm.core.errors import RobophmError
 from robophm.core.signal import SECOND
-from robophm.fleet import kept_days
-from robophm.fleet.daily_history import DAY, OVER, write_days
+from robophm.fleet import history_files, kept_days
+from robophm.fleet.daily_history import DAY, write_days
+from robophm.fleet.history_files import OVER
 from robophm.fleet.kept_days import move_out
 from robophm.fleet.payload import Payload, Report
-from robophm.fleet.questions import history, newest_time, reports, status, worst
+from robophm.fleet.questions import newest_time, reports, status, worst
+from robophm.fleet.robot_history import history
 from robophm.fleet.store import FleetStore
 from robophm.stores.outbox import COLUMNS
 
@@ -87,7 +89,7 @@ def asked(store, folder=None):
 
 
 def test_what_was_moved_is_answered_as_before(store, tmp_path, monkeypatch):
-    monkeypatch.setattr(kept_days, "AT_ONCE", 7)  # several reads of a day
+    monkeypatch.setattr(history_files, "AT_ONCE", 7)  # several reads of a day
     folder, before = tmp_path / "days", asked(store)
     write_days(store, folder, FIRST + 9 * DAY)
     assert asked(store, folder) == before, "nothing was moved yet, and nothing is told twice"

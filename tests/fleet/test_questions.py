@@ -12,7 +12,8 @@ from robophm.core.errors import RobophmError
 from robophm.core.signal import SECOND
 from robophm.design.file import parse
 from robophm.fleet.payload import Ahead, Payload, PresentState, Report
-from robophm.fleet.questions import history, horizon_of, reports, status, worst
+from robophm.fleet.questions import horizon_of, reports, status, worst
+from robophm.fleet.robot_history import history
 from robophm.fleet.sender import Sender
 from robophm.fleet.store import FleetStore
 from robophm.health.failure_within import failure_within

@@ -19,7 +19,8 @@ from tests.fleet.made_reports import BEGIN, MINUTE, report
 from robophm.core.errors import StoreError
 from robophm.fleet import app as routes
 from robophm.fleet.payload import packed
-from robophm.fleet.questions import history, present, refused_of_nobody, reports, status
+from robophm.fleet.questions import present, refused_of_nobody, reports, status
+from robophm.fleet.robot_history import history
 from robophm.stores.outbox import Batch, Present, Waiting
 from robophm.stores.outbox import report_values as values
 

@@ -2,13 +2,16 @@
 
 import json
 import math
+import re
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from robophm.design.file import load
 from robophm.health.why import explain
+from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.replay import replay
 from robophm.report.why import reasons, sentence
 
@@ -52,6 +55,36 @@ def test_it_is_said_how_long_it_works_on_and_what_decides(hot):
         "37 °C, 2.3 times as fast as designed."
     )
     assert "  temperature 37 °C, designed for 25 °C (/casters.temperature)" in [*reasons(found)]
+
+
+def test_rates_that_are_not_exactly_known_count(tmp_path):
+    """One part of a lognormal rate about its mean: its survival is E exp(−θλt), by quadrature of its own."""
+    (tmp_path / "robot.yaml").write_text(
+        "schema_version: 1\nname: one\ncomponents:\n  motor: {rate: 1e-4 /h, uncertainty: {error_factor: 5}}\n"
+    )
+    report = Monitor(load(tmp_path / "robot.yaml")).report()
+    found = explain(report)
+    deviation = math.log(5) / 1.6448536269514722
+
+    def survives(hours):
+        z, weight = np.polynomial.hermite_e.hermegauss(100)
+        ratio = np.exp(deviation * z - deviation**2 / 2)
+        return float(weight @ np.exp(-ratio * 1e-4 * hours)) / math.sqrt(2 * math.pi)
+
+    assert survives(found.works_for) == pytest.approx(0.9, abs=5e-4)
+    assert found.works_for_at_stated_rates == pytest.approx(-math.log(0.9) / 1e-4, rel=1e-9)
+    unsure = report.life_with_rates_unsure
+    assert [survives(time) for time in unsure] == pytest.approx([0.95, 0.5, 0.05], abs=1e-3)
+    words = sentence(report, found)
+    assert re.match(r"Works on for 47\.\d days with 90 % \(43\.9 days if its rates were exactly as stated\)\.", words)
+
+
+def test_a_robot_of_unknown_rates_alone_is_said_to_be_unknown(tmp_path):
+    (tmp_path / "robot.yaml").write_text("schema_version: 1\nname: one\ncomponents:\n  motor: {rate: unknown}\n")
+    report = Monitor(load(tmp_path / "robot.yaml")).report()
+    assert sentence(report, explain(report)) == (
+        "How long it works on is unknown, as is the rate of all that can fail: 1 part of unknown rate."
+    )
 
 
 def test_redundancy_is_no_cause(tmp_path):

@@ -14,7 +14,7 @@ COMMANDS = {
     "new": "Draft a design from a URDF, recordings and parts lists, and give the robot's first health figures.",
     "bind": "Propose recorded signals for the inputs of a design, and write those that you accept.",
     "learn": "Update a design's failure rates by failures in the field.",
-    "service": "Record that a part was replaced or repaired, or that it failed.",
+    "service": "Record that a part was replaced or repaired, or that it failed, or had not.",
     "fit": "Fit life data: distributions, lives at stress, repaired systems (needs robophm[fit]).",
     "maintain": "When to replace which part, with which spares, at what cost, and whether monitoring pays.",
     "wear": "Wear seen in signals: trend, changes, and the remaining life of parts and robot.",

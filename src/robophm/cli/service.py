@@ -15,6 +15,9 @@ from robophm.monitoring.service_notes import WAIT, note_service
 from robophm.monitoring.stored_past import stored_past
 from robophm.report.words import number_text, past_moment_text
 
+KINDS = {"struck out": "had not failed, which is struck out,"}
+"""Words for kinds of services that are no words by themselves."""
+
 
 def command(
     design: Design,
@@ -36,6 +39,9 @@ def command(
             "--failed", help="the part had failed before the service; alone: it has failed and was not serviced yet"
         ),
     ] = False,
+    struck_out: Annotated[
+        bool, typer.Option("--struck-out", help="the last failure of the part that was told of was none")
+    ] = False,
     by: Annotated[str, typer.Option(help="who reports it", metavar="NAME")] = "",
     note: Annotated[str, typer.Option(help="a remark to keep with it", metavar="TEXT")] = "",
     wait: Annotated[
@@ -47,19 +53,19 @@ def command(
     history: Annotated[bool, typer.Option("--history", help="list every service of the part so far")] = False,
     as_json: Json = False,
 ) -> None:
-    """Record that a part was replaced or repaired, or that it failed."""
-    served = replaced + (repaired is not None)
+    """Record that a part was replaced or repaired, or that it failed, or had not."""
+    served = replaced + (repaired is not None) + struck_out
     told = served == 1 or (served == 0 and failed)
-    if served > 1 or not (told or history):
+    if served > 1 or (struck_out and failed) or not (told or history):
         raise RobophmError(
-            "was it replaced or repaired, or has it failed? expected --replaced, --repaired SHARE or --failed, or "
-            "--history to look"
+            "was it replaced or repaired, or has it failed? expected --replaced, --repaired SHARE, --failed or "
+            "--struck-out, or --history to look"
         )
     if (by or note) and not told:
-        raise RobophmError("--by and --note are of a service; expected --replaced, --repaired SHARE or --failed too")
+        raise RobophmError("--by and --note are of a service; expected e.g. --replaced or --failed too")
     robot, some = load(design), []
     if told:
-        said = ServiceNote(part, repaired, failed, by, note, waits=not served)
+        said = ServiceNote(part, repaired, failed, by, note, waits=not served, none=struck_out)
         some = note_service(store, robot, said, wait=wait)
     if history:
         with stored_past(store, robot) as (_, ledger):
@@ -75,9 +81,7 @@ def command(
         path = paths[one.mode]
         when = past_moment_text(one.time)
         done = f", at an effective age of {number_text(one.before[1])}"
-        if one.kind != "failed":
+        if one.kind not in ("failed", "struck out"):
             done = f"{' after it failed' if one.failed else ''}{done}; goes on at {number_text(one.after[1])}"
-        out.print(
-            f"{when}: {path} {one.kind}{done}{f', by {one.by}' if one.by else ''}{f': {one.note}' if one.note else ''}",
-            markup=False, soft_wrap=True,
-        )  # fmt: skip
+        who = f"{f', by {one.by}' if one.by else ''}{f': {one.note}' if one.note else ''}"
+        out.print(f"{when}: {path} {KINDS.get(one.kind, one.kind)}{done}{who}", markup=False, soft_wrap=True)

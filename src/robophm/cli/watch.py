@@ -8,8 +8,7 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
-from contextlib import ExitStack, contextmanager, nullcontext, suppress
+from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -26,6 +25,7 @@ from robophm.cli.shared.live_table import LiveTable, SeveralTable
 from robophm.cli.shared.options import Design, GrowingStore, Json, Notify, Unit, Via
 from robophm.cli.shared.output import console, may_write, print_json, warn
 from robophm.cli.shared.ros_words import Words
+from robophm.cli.shared.several_robots import file_of_robot, side_by_side
 from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.task_words import stated_speed
 from robophm.cli.shared.unused import refuse_unused
@@ -51,7 +51,7 @@ from robophm.stores.store import Store
 from robophm.transports.health_topics import HealthRecording, HealthTopics, Outlet, PartReports, TaskService
 from robophm.transports.live.one_robot import OneRobot, namespace_of
 from robophm.transports.live.ros_names import Remapped, RosNames, names_of
-from robophm.transports.live.shared_source import EndedBeforeError, SharedSource, robots_of
+from robophm.transports.live.shared_source import robots_of
 from robophm.transports.recordings.journal import Journal
 from robophm.transports.running_robot import Live as RunningRobot
 from robophm.transports.running_robot import open_live
@@ -63,9 +63,6 @@ ENDS_BY_ITSELF = True
 
 QUICK_END = 2.5
 """The most seconds in which what was heard is taken once it is to end; what still waits then is let go of."""
-
-LOOK_EVERY, MOST_ROBOTS = 5.0, 32
-"""Seconds between two looks for robots that came later, and how many robots one process watches."""
 
 
 @dataclass(frozen=True)
@@ -310,68 +307,22 @@ class _Watching:
 
 
 def _watch_several(watching: _Watching, source: LiveSource) -> list[End]:
-    """Watch robots of one design side by side, each in a thread, its topics below its namespace, its past its own.
-
-    Those that are heard later have a source each. Raises the first error, after the others have ended.
-    """
-    asked, told = watching.asked, set[str]()
-    pattern = asked.robots or ""
-    names = _as_many_as_can_be(robots_of(source, pattern), 0, told)
-    print(f"watching {len(names)} robots: {', '.join(names)}", file=sys.stderr)
-    shared = SharedSource(source, names)
-    if asked.store:
-        open_store(asked.store).close()  # made by one alone
-    later: dict[str, LiveSource] = {}
+    """Watch robots of one design side by side, the topics of each below its namespace, its past its own."""
+    asked, pattern = watching.asked, watching.asked.robots or ""
 
     def one(name: str, heard: LiveSource, robots: int) -> End:
         store = f"{asked.store}{BETWEEN}{name}" if asked.store else None
-        journal, record = _of_robot(asked.journal, name), _of_robot(asked.record, name)
+        journal, record = file_of_robot(asked.journal, name), file_of_robot(asked.record, name)
         own = replace(asked, namespace=namespace_of(name), store=store, journal=journal, record=record)
-        try:
-            return replace(watching, asked=own, robots=robots).one(heard, name, name)
-        except RobophmError as error:
-            if name in later:
-                warn(f"{name} is watched no more: {error}")
-            raise type(error)(f"{name}: {error}") from None
-        finally:
-            heard.close()
+        return replace(watching, asked=own, robots=robots).one(heard, name, name)
 
-    with ThreadPoolExecutor(MOST_ROBOTS, "robophm") as pool:
-        ends = [pool.submit(one, name, shared.parts[name], len(names)) for name in names]
-        first = [*ends]
-        try:
-            while wait(first, LOOK_EVERY).not_done:
-                with suppress(SourceError):  # none is heard now, or the source cannot be asked
-                    new = [name for name in robots_of(source, pattern) if name not in names]
-                    for name in _as_many_as_can_be(new, len(names), told):
-                        opened = open_live(asked.via, period=asked.period).source
-                        later[name] = Remapped(opened, asked.names)
-                        names.append(name)
-                        print(f"watching {name} too", file=sys.stderr)
-                        ends.append(pool.submit(one, name, later[name], MOST_ROBOTS))
-        finally:
-            for heard in later.values():
-                heard.stop()
-    failed = [error for end in ends if (error := end.exception())]
-    failed.sort(key=lambda error: isinstance(error, EndedBeforeError))
-    if failed:
-        raise failed[0]
-    return [end.result() for end in ends]
+    def further() -> LiveSource:
+        return Remapped(open_live(asked.via, period=asked.period).source, asked.names)
 
-
-def _of_robot(path: Path | None, name: str) -> Path | None:
-    """The file of one of several robots, ``health.amr_2.mcap`` for ``health.mcap``."""
-    return path and path.with_stem(f"{path.stem}.{name.replace('/', '.')}")
-
-
-def _as_many_as_can_be(names: Sequence[str], watched: int, told: set[str]) -> list[str]:
-    """Return the first of these robots, as many as one process watches beside others; warn once of each further one."""
-    room = MOST_ROBOTS - watched
-    for name in names[room:]:
-        if name not in told and len(told) < MOST_ROBOTS:
-            told.add(name)
-            warn(f"robot {name} is not watched: one process watches {MOST_ROBOTS} at most; expected another for it")
-    return [*names[:room]]
+    names = robots_of(source, pattern)
+    if asked.store:
+        open_store(asked.store).close()  # made by one alone
+    return side_by_side(source, pattern, names, one, further)
 
 
 def _to_ros(robot: Robot, opened: RunningRobot, asked: Watched) -> tuple[HealthTopics | None, TaskAssessor | None]:

@@ -30,7 +30,7 @@ MOST_PARTS = 1000
 """Equal parts of a component that can be told apart; n equal parts in series may be many more."""
 
 
-_OF_ONE_MODE = {*FIGURES, "hazard", "life", "clock", "scaling", "initial_exposure", "learned", "wear"}
+_OF_ONE_MODE = {*FIGURES, "hazard", "life", "clock", "scaling", "initial_exposure", "learned", "wear", "failed_when"}
 
 
 MOST_DRAWN = 1_000_000

@@ -14,6 +14,7 @@ from robophm.core.spread import Spread
 from robophm.core.units import conversion
 from robophm.design import schema
 from robophm.design.build_life import ABOVE_ZERO, TENTHS, build_life, figure_of, key_of_figure, plug
+from robophm.design.build_told_failures import build_told_failures
 from robophm.design.build_wear import build_wear
 from robophm.design.located_error import LocatedError, Path, quantity_at
 from robophm.design.references import place_of
@@ -56,7 +57,7 @@ class ModeBuilder:
         clock_unit = CLOCK_UNITS[mode.clock]
         key = key_of_figure(place, mode)
         if mode.rate == UNKNOWN:
-            return self._unknown_mode(path, place, mode, identity)
+            return self._unknown_mode(path, place, mode, identity, part.quantity)
         hazard = self._hazard(place, mode.hazard, part, scope, clock_unit) if mode.hazard else None
         if hazard and hazard.model.unit != f"1/{clock_unit}":
             raise LocatedError(
@@ -105,7 +106,7 @@ class ModeBuilder:
             Uncertainty(failures=mode.learned.shape) if mode.learned else stated,
             evidence=Evidence(factor, stated) if mode.learned else None,
             wear=build_wear((*place, "wear"), mode.wear, part.quantity) if mode.wear else None,
-            identity=identity,
+            identity=identity, failed_when=build_told_failures(place, mode, part.quantity),
         )  # fmt: skip
 
     @staticmethod
@@ -120,7 +121,7 @@ class ModeBuilder:
         return rate
 
     @staticmethod
-    def _unknown_mode(path: Path, place: Path, mode: schema.FailureMode, identity: str) -> FailureMode:
+    def _unknown_mode(path: Path, place: Path, mode: schema.FailureMode, identity: str, quantity: int) -> FailureMode:
         """A failure mode of unknown rate, which is carried as if it never came."""
         for key in ("life", "acceleration", "uncertainty", "learned", "wear", "scaling"):
             if key in mode.model_fields_set:
@@ -134,7 +135,7 @@ class ModeBuilder:
             )
         return FailureMode(
             "/".join(path), 0.0, Never(), mode.clock, None, mode.scaling, initial, (), mode.source or "",
-            identity=identity,
+            identity=identity, failed_when=build_told_failures(place, mode, quantity),
         )  # fmt: skip
 
     @staticmethod
@@ -287,7 +288,9 @@ class ModeBuilder:
             signals = tuple(signal_name(binding.topic, name) for name in fields)
         except RobophmError as error:
             raise LocatedError(place, str(error)) from None
-        return MeasuredClock(clock, kind, signals, written, scale, binding.threshold, round(binding.max_age * SECOND))
+        return MeasuredClock(
+            clock, kind, signals, written, scale, binding.threshold, round(binding.max_age * SECOND), binding.becomes
+        )
 
 
 def _default(model: Model, name: str) -> str | None:

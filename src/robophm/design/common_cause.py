@@ -93,6 +93,7 @@ class CommonCauses:
                 share=share * count / len(units),
                 member=mode.path,
                 wear=None,
+                failed_when=(),
                 identity=f"{identity}/{mode.identity.removeprefix(kept_below)}",
             )
             for part, count in Counter(unit.partition("[")[0] for unit in units).items()

@@ -242,6 +242,7 @@ def _keys(place: tuple[str, ...], lines: Lines, root: type[BaseModel]) -> list[s
         "failure_modes": schema.FailureMode,
         "signals": schema.SignalBinding,
         "clocks": schema.ClockBinding,
+        "failed_when": schema.ToldFailure,
         "common_causes": schema.CommonCause,
         "tasks": schema_task.Leg,
         "legs": schema_task.Leg,

@@ -22,6 +22,7 @@ from robophm.core.signal import WantedSignal
 from robophm.design.robot_table import robot_table
 from robophm.design.task import Plan, Task, TaskStress
 from robophm.design.thresholds import NO_LIMITS, Thresholds
+from robophm.design.told_failure import ToldFailure
 from robophm.design.wear_signal import WearSignal
 from robophm.hazard.model import Evaluation, Model
 from robophm.life.distribution import LifeDistribution
@@ -76,6 +77,8 @@ class MeasuredClock:
     """Factor to metres or m/s; 1 for edges."""
     threshold: float
     max_age: int
+    becomes: float | None = None
+    """The value that counts one when an edge's signal comes to have it; None: a rise through the threshold does."""
 
 
 @dataclass(frozen=True)
@@ -182,6 +185,8 @@ class FailureMode:
     """The signal that shows the mode coming; None: no signal does."""
     identity: str = ""
     """Path under which its past is kept; its own unless the design states another."""
+    failed_when: tuple[ToldFailure, ...] = ()
+    """Signals by which software tells that it failed; empty: people alone say so."""
 
     @property
     def unknown(self) -> bool:
@@ -425,6 +430,7 @@ class Robot(Module):
         for mode in self.modes:
             for stress in mode.stresses:
                 found |= {channel.signal: channel.unit for channel in stress.channels.values()}
+            found |= {told.signal: None for told in mode.failed_when}
         for wear in (mode.wear for mode in self.modes if mode.wear):
             for gauge, unit in ((wear.gauge, wear.unit), (wear.ambient, wear.unit), (wear.load, None)):
                 if gauge:

@@ -15,6 +15,8 @@ from robophm.design.schema_blocks import DependsOn, Diagram
 from robophm.design.schema_fields import LONGEST, Identity, Name, Repair, Strict, Written, quantity_in, share_in
 from robophm.design.schema_task import AnyTask
 from robophm.design.schema_thresholds import ModuleThresholds, PartThresholds, Thresholds
+from robophm.design.schema_told_failures import ToldFailure as ToldFailure
+from robophm.design.schema_told_failures import ToldFailures
 from robophm.hazard.environments import ENVIRONMENTS, WORDS, environment
 from robophm.hazard.qualities import QUALITIES, quality
 from robophm.parts import completed
@@ -54,12 +56,18 @@ class ClockBinding(Strict):
     edge: str | None = Field(None, description="field whose rise through the threshold counts one")
     unit: str | None = Field(None, description="unit of the field; default m or m/s")
     threshold: float = Field(0.5, description="of an edge, in the field's unit")
+    becomes: float | None = Field(
+        None, description="in place of a threshold: the value that an edge's field has then, and had not before, e.g. "
+        "3 of a lifecycle's goal_state.id, active",
+    )  # fmt: skip
     max_age: quantity_in("s", "how long the last speed holds", "5 s", 0.0, LONGEST) = 5.0  # type: ignore[valid-type]
 
     @model_validator(mode="after")
     def _one_kind(self) -> ClockBinding:
         if sum(kind is not None for kind in (self.position, self.speed, self.edge)) != 1:
             raise ValueError("expected exactly one of position, speed, edge")
+        if self.becomes is not None and (self.edge is None or "threshold" in self.model_fields_set):
+            raise ValueError("becomes is of an edge, in place of its threshold; expected one of both")
         return self
 
 
@@ -230,6 +238,7 @@ class FailureMode(Strict):
     uncertainty: Uncertainty | None = Field(None, description="how sure the rate is; inherited, default exact")
     learned: Learned | None = Field(None, description="what the field says of it, and how sure it is then")
     wear: Wear | None = Field(None, description="a signal that shows it coming")
+    failed_when: ToldFailures | None = Field(None, description="what software says when it has failed: any of these")
     identity: Identity | None = None
 
 

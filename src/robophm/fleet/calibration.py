@@ -13,7 +13,8 @@ from robophm.core.errors import DataError
 from robophm.design.robot import Robot
 from robophm.fleet.cohorts import KINDS
 from robophm.fleet.experience import NO_LEDGER, NOT_WORKED, UNREADABLE, kept_ledgers
-from robophm.fleet.questions import history, newest_time
+from robophm.fleet.questions import newest_time
+from robophm.fleet.robot_history import history
 from robophm.fleet.store import FleetStore
 from robophm.health.plant import Plant
 from robophm.learning.rates.cohorts import adjusted

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,9 +13,21 @@ from numpy.typing import NDArray
 from robophm.core.errors import RobophmError
 from robophm.core.signal import DAY, SECOND
 from robophm.fleet.commit import BELIEVED
-from robophm.fleet.daily_history import AT_ONCE, NAME, alone_in, name_of, parquet
 from robophm.fleet.engines.engine import Engine, Row
 from robophm.fleet.figures import figures_of_bytes
+from robophm.fleet.history_files import (
+    AT_ONCE,
+    WHOLE,
+    alone_in,
+    by_robot,
+    counting,
+    files_in,
+    folders,
+    month_of,
+    name_of,
+    of_robot,
+    while_days_become_months,
+)  # fmt: skip
 from robophm.fleet.store import FleetStore
 from robophm.stores.outbox import COLUMNS
 
@@ -25,8 +36,6 @@ LEAST_KEPT = 31
 
 AHEAD = round(BELIEVED * SECOND)
 """Nanoseconds by which the time of a report may be ahead of its receipt and still be believed."""
-
-_KEYS = ("epoch", "seq", "time", "received", "thinned")
 
 
 class Reports(NamedTuple):
@@ -39,12 +48,26 @@ class Reports(NamedTuple):
     received: NDArray[np.int64]
     """Times by the fleet's clock [ns since the epoch]."""
     thinned: NDArray[np.int64]
-    figures: NDArray[np.float64]
-    """Figures of shape (reports, columns asked for); NaN where a report has none."""
+    figures: NDArray[np.float32]
+    """Figures of shape (reports, columns); NaN where a report has none."""
 
     def rows(self, rows: Any) -> Reports:
         """Return some of them."""
         return Reports(*(each[rows] for each in self))
+
+    @classmethod
+    def of_rows(cls, robot: int, rows: Sequence[Row]) -> Reports:
+        """Return the rows of a robot in a store, from epoch to figures. Raises StoreError where one is damaged."""
+        figures = np.full((len(rows), len(COLUMNS)), np.nan, np.float32)
+        for at, row in enumerate(rows):
+            found = figures_of_bytes((robot, row[0], row[1]), row[2], row[5])
+            figures[at, : len(found)] = found
+        return cls._make((*np.array([row[:5] for row in rows], np.int64).reshape(-1, 5).T, figures))
+
+    @classmethod
+    def together(cls, some: Sequence[Reports]) -> Reports:
+        """Return all of some as one, one behind the other."""
+        return cls._make(map(np.concatenate, zip(cls.of_rows(0, ()), *some, strict=True)))
 
 
 class MovedOut(NamedTuple):
@@ -74,17 +97,19 @@ def move_out(
         ):
             if (day + 1) * DAY <= until[robot]:
                 old.setdefault(day, set()).add(robot)
-        for done, (day, robots) in enumerate(sorted(old.items()), 1):
-            for path in sorted((folder / name_of(day)).rglob("*.parquet")):
-                for some in _blocks(path):
-                    known = {name: one for name, one in some.items() if numbers.get(name) in robots}
-                    with store.writing() as engine:
-                        engine.hold(sorted(known))
-                        found += sum(_move(engine, numbers[name], day, one) for name, one in known.items())
-            window = day * DAY, (day + 1) * DAY
-            for robot, count in store.rows("SELECT robot, count(*) FROM report WHERE received >= ? AND received < ? "
-                                           "GROUP BY robot", window):  # fmt: skip
-                kept += count if robot in robots else 0
+        there, places, done = folders(folder), dict[str, list[int]](), 0
+        for day in sorted(old):
+            name = name_of(day)
+            places.setdefault(month_of(name) if month_of(name) in there else name, []).append(day)
+        for place, days in places.items():
+            for path in files_in(folder / place) if place in there else ():
+                found += sum(_move_block(store, numbers, {day: old[day] for day in days}, one) for one in _blocks(path))
+            for day in days:
+                window = day * DAY, (day + 1) * DAY
+                for robot, count in store.rows("SELECT robot, count(*) FROM report WHERE received >= ? AND "
+                                               "received < ? GROUP BY robot", window):  # fmt: skip
+                    kept += count if robot in old[day] else 0
+            done += len(days)
             on_days(done, len(old))
     return MovedOut(found, kept)
 
@@ -99,6 +124,32 @@ def _until(store: FleetStore, before: int) -> defaultdict[int, int]:
     return defaultdict(lambda: before, {robot: min(before, last - LEAST_KEPT * DAY) for robot, last in newest})
 
 
+def _blocks(path: Path) -> Iterator[list[tuple[str, Any]]]:
+    """The reports of a file as tables of one robot each, some thousands of reports at a time."""
+    block: list[tuple[str, Any]] = []
+    for one in by_robot(path):
+        block.append(one)
+        if sum(len(table) for _, table in block) >= AT_ONCE:
+            yield block
+            block = []
+    yield block
+
+
+def _move_block(
+    store: FleetStore, numbers: Mapping[str, int], old: Mapping[int, set[int]], block: list[tuple[str, Any]]
+) -> int:
+    """Take reports out whose day and robot are among the old ones, in one transaction; return how many."""
+    moved = 0
+    known = [(name, numbers[name], table) for name, table in block if name in numbers]
+    with store.writing() as engine:
+        engine.hold(sorted({name for name, _, _ in known}))
+        for _, robot, table in known:
+            told = _reports(table)
+            for day in (day for day, robots in old.items() if robot in robots):
+                moved += _move(engine, robot, day, told.rows(told.received // DAY == day))
+    return moved
+
+
 def _move(engine: Engine, robot: int, day: int, told: Reports) -> int:
     """Take reports of a robot out, of each epoch where all that is there of its span is as told; return how many."""
     moved = 0
@@ -106,8 +157,8 @@ def _move(engine: Engine, robot: int, day: int, told: Reports) -> int:
         one = told.rows(told.epoch == epoch)
         span = (robot, epoch, int(one.seq[0]), int(one.seq[-1]), day * DAY, (day + 1) * DAY)
         where = "WHERE robot = ? AND epoch = ? AND seq >= ? AND seq <= ? AND received >= ? AND received < ?"
-        rows = engine.ask(f"SELECT seq, time, received, thinned, figures FROM report {where} ORDER BY seq", span)
-        if rows and _is_told(robot, epoch, rows, one):
+        rows = engine.ask(f"SELECT epoch, seq, time, received, thinned, figures FROM report {where} ORDER BY seq", span)
+        if rows and _is_told(Reports.of_rows(robot, rows), one):
             moved += len(engine.ask(f"DELETE FROM report {where} RETURNING seq", span))
             last = span[3]
             engine.ask("UPDATE epoch SET moved = ? WHERE robot = ? AND number = ? AND moved < ? RETURNING moved",
@@ -115,65 +166,47 @@ def _move(engine: Engine, robot: int, day: int, told: Reports) -> int:
     return moved
 
 
-def _is_told(robot: int, epoch: int, rows: list[Row], told: Reports) -> bool:
-    """Whether each row of a store is among reports as the files have them."""
-    at = np.searchsorted(told.seq, np.array([row[0] for row in rows]))
+def _is_told(store: Reports, told: Reports) -> bool:
+    """Whether each report of a store is among those that the files have."""
+    at = np.searchsorted(told.seq, store.seq)
     if at[-1] >= len(told.seq):
         return False
     same = told.rows(at)
-    figures = np.full((len(rows), len(COLUMNS)), np.nan, np.float32)
-    for place, row in enumerate(rows):
-        found = figures_of_bytes((robot, epoch, row[0]), row[1], row[4])
-        figures[place, : len(found)] = found
-    keys = np.array([row[:4] for row in rows], np.int64)
-    return np.array_equal(keys, np.stack(same[1:5], axis=1)) and np.array_equal(
-        figures.astype(np.float64), same.figures, equal_nan=True
+    return np.array_equal(np.stack(store[:5]), np.stack(same[:5])) and np.array_equal(
+        store.figures, same.figures, equal_nan=True
     )
 
 
-def _blocks(path: Path) -> Iterator[dict[str, Reports]]:
-    """The reports of a file by robot, some thousands at a time."""
-    with _errors(path), parquet().ParquetFile(path, page_checksum_verification=True) as file:
-        for batch in file.iter_batches(AT_ONCE):
-            names = np.array(batch["robot"].to_pylist(), object)
-            some = _reports(batch, COLUMNS)
-            yield {name: some.rows(names == name) for name in dict.fromkeys(names)}
-
-
 def kept_reports(
-    folder: Path, robot: str, moved: Mapping[int, int], again: Collection[tuple[int, int]], columns: tuple[str, ...]
-) -> Iterator[Reports]:
-    """Yield the reports of a robot that have left the store, day by day.
+    folder: Path, robot: str, moved: Mapping[int, int], again: Collection[tuple[int, int]]
+) -> list[Reports]:
+    """Return the reports of a robot that have left the store, by days or months.
 
     ``moved``: number of the last of each epoch that has; ``again``: epochs and numbers of those up to it that the store
-    has all the same; ``columns``: the figures that are wanted. Raises RobophmError.
+    has all the same. Days that become months meanwhile are read as either. Raises RobophmError.
     """
     if not folder.is_dir():
         raise RobophmError(f"{folder}: no such folder; expected one of days, as robophm fleet export made it")
-    for path in sorted(folder.glob(f"{NAME.format('*')}/*/*.parquet")):
-        with _errors(path):
-            table = parquet().read_table(
-                path, columns=[*_KEYS, *columns], filters=[("robot", "==", robot)], partitioning=None,
-                page_checksum_verification=True,
-            )  # fmt: skip
-            some = _reports(table, columns)
-        gone = np.array([seq <= moved.get(epoch, 0) and (epoch, seq) not in again
-                         for epoch, seq in zip(some.epoch.tolist(), some.seq.tolist(), strict=True)], bool)  # fmt: skip
-        if gone.any():
-            yield some.rows(gone)
+
+    def read() -> list[Reports]:
+        paths = [path for name in counting(folder) for path in files_in(folder / name, robot)]
+        return [_reports(of_robot(path, robot)) for path in paths]
+
+    found = while_days_become_months(read, folder)
+    return [one.rows(_gone(one, moved, again)) for one in found]
 
 
-def _reports(table: Any, columns: tuple[str, ...]) -> Reports:
-    keys = [table[name].cast("int64").to_numpy(zero_copy_only=False) for name in _KEYS]
-    figures = [table[name].to_numpy(zero_copy_only=False).astype(np.float64) for name in columns]
-    return Reports._make((*keys, np.column_stack(figures) if figures else np.empty((len(keys[0]), 0))))
+def _gone(some: Reports, moved: Mapping[int, int], again: Collection[tuple[int, int]]) -> NDArray[np.bool_]:
+    """Which reports are in the files alone."""
+    gone = np.zeros(len(some.seq), bool)
+    for epoch in np.unique(some.epoch).tolist():
+        gone |= (some.epoch == epoch) & (some.seq <= moved.get(epoch, 0))
+    if again:
+        keys = zip(some.epoch.tolist(), some.seq.tolist(), strict=True)
+        gone &= np.array([key not in again for key in keys], bool)
+    return gone
 
 
-@contextmanager
-def _errors(path: Path) -> Iterator[None]:
-    """What pyarrow cannot read is said with the file's name."""
-    try:
-        yield
-    except (OSError, ValueError, KeyError) as error:
-        reason = " ".join(str(error).split())
-        raise RobophmError(f"{path}: {reason:.200}; expected a day as robophm fleet export wrote it") from None
+def _reports(table: Any) -> Reports:
+    keys = [table[name].cast("int64").to_numpy() for name in WHOLE]
+    return Reports._make((*keys, np.column_stack([table[name].to_numpy() for name in COLUMNS])))

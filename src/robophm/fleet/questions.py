@@ -5,20 +5,15 @@ from __future__ import annotations
 import json
 import math
 import zlib
-from collections.abc import Iterator, Sequence
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Any, NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
 
 from robophm.core.errors import RobophmError
 from robophm.core.units import quantity
-from robophm.fleet.engines.engine import Row
 from robophm.fleet.figures import figures_of_bytes, must_be_kept
-from robophm.fleet.kept_days import AHEAD, Reports, kept_reports
+from robophm.fleet.kept_days import AHEAD
 from robophm.fleet.store import FleetStore
-from robophm.stores.figures import STATES, FigureSeries, joined
+from robophm.stores.figures import STATES
 from robophm.stores.outbox import BOUNDS, CHANCES, COLUMNS, HORIZONS
 
 AT_ONCE = 20_000
@@ -146,85 +141,6 @@ def worst(store: FleetStore, horizon: float, most: int) -> Worst:
     return Worst(horizon, found, of, store.rows("SELECT count(*) FROM robot")[0][0] - of)
 
 
-class RobotHistory(NamedTuple):
-    """The figures of one robot over time."""
-
-    series: FigureSeries
-    """Figures in the order of COLUMNS."""
-    ahead: int
-    """Number of reports whose time lies ahead of the fleet's clock: those are not in the series."""
-    elsewhere: int
-    """Number of reports, of whatever time, that came and are neither in the store nor in the folder that was given."""
-
-
-def history(
-    store: FleetStore, robot: str, start: int | None, end: int | None, points: int, days: Path | None = None
-) -> RobotHistory:
-    """Return a robot's figures from a time until before another [ns], None being open, in at most so many points.
-
-    ``days``: the folder of days to which old reports were moved. Where there were more reports than points, each point
-    is the lowest, mean and highest of a span of time. Raises RobophmError.
-    """
-    number = store.number_of(robot)
-    window = number, -(2**63) if start is None else start, 2**63 - 1 if end is None else end
-    believed = f"robot = ? AND time >= ? AND time < ? AND time <= received + {AHEAD}"
-    extent = [*store.rows(f"SELECT count(*), min(time), max(time) FROM report WHERE {believed}", window)]
-    ((there, ahead),) = store.rows(
-        f"SELECT count(*), coalesce(sum(CASE WHEN time > received + {AHEAD} THEN 1 ELSE 0 END), 0) FROM report "
-        "WHERE robot = ?", (number,),
-    )  # fmt: skip
-    elsewhere = sum(came for (came,) in store.rows("SELECT reports FROM epoch WHERE robot = ?", (number,))) - there
-    moved = _Moved.of(store, robot, number, days) if days else None
-    if moved:
-        for one in moved.reports(()):
-            elsewhere -= len(one.time)
-            ahead += int((one.time > one.received + AHEAD).sum())
-            if len(times := one.time[_within(one, window)]):
-                extent.append((len(times), int(times.min()), int(times.max())))
-    known = [one for one in extent if one[0]]
-    count, first, last = sum(one[0] for one in known), *(f(one[at] for one in known) if known else 0
-                                                         for at, f in ((1, min), (2, max)))  # fmt: skip
-    width = -(-(last - first + 1) // (points - 1)) if count > points else 0
-    parts = [*(moved.series(window) if moved else ()), *_series(store, number, believed, window)]
-    whole = _in_order(width, [joined(one, width) if width else one for one in parts] or [_NOTHING])
-    return RobotHistory(joined(whole, width) if width else whole, int(ahead), elsewhere)
-
-
-class _Moved(NamedTuple):
-    """The reports of a robot that are in a folder of days alone."""
-
-    folder: Path
-    robot: str
-    last: dict[int, int]
-    """Number of the last of each epoch that was moved."""
-    again: set[Row]
-    """Epochs and numbers of those up to it that are in the store."""
-
-    @classmethod
-    def of(cls, store: FleetStore, robot: str, number: int, folder: Path) -> _Moved:
-        last: dict[int, int] = dict(
-            store.rows("SELECT number, moved FROM epoch WHERE robot = ? AND moved > 0", (number,))
-        )
-        again = store.rows(
-            "SELECT report.epoch, seq FROM report JOIN epoch ON epoch.robot = report.robot AND "
-            "epoch.number = report.epoch WHERE report.robot = ? AND seq <= moved", (number,),
-        )  # fmt: skip
-        return cls(folder, robot, last, set(again))
-
-    def reports(self, columns: tuple[str, ...]) -> Iterator[Reports]:
-        return kept_reports(self.folder, self.robot, self.last, self.again, columns)
-
-    def series(self, window: tuple[int, int, int]) -> Iterator[FigureSeries]:
-        for one in self.reports(COLUMNS):
-            some = one.rows(_within(one, window))
-            yield _of_reports(some.time, some.figures)
-
-
-def _within(one: Reports, window: tuple[int, int, int]) -> NDArray[np.bool_]:
-    """Which reports are of a window of time, and not ahead of the fleet's clock."""
-    return (one.time >= window[1]) & (one.time < window[2]) & (one.time <= one.received + AHEAD)
-
-
 def newest_time(store: FleetStore, robot: str) -> int | None:
     """Return the time of the newest report of a robot by its own clock, of those believed [ns]; None without any.
 
@@ -236,36 +152,6 @@ def newest_time(store: FleetStore, robot: str) -> int | None:
     )
     found: int | None = last
     return found
-
-
-_NO_VALUES = np.empty((0, len(COLUMNS)))
-_NOTHING = FigureSeries(0, np.empty(0, np.int64), _NO_VALUES.astype(np.int64), _NO_VALUES, _NO_VALUES, _NO_VALUES)
-
-
-def _in_order(width: int, parts: Sequence[FigureSeries]) -> FigureSeries:
-    """All parts as one series in order of time."""
-    arrays = [np.concatenate(each) for each in zip(*(one[1:] for one in parts), strict=True)]
-    order = np.argsort(arrays[0], kind="stable")
-    return FigureSeries._make((width, *(each[order] for each in arrays)))
-
-
-def _series(store: FleetStore, robot: int, where: str, window: tuple[int, int, int]) -> Iterator[FigureSeries]:
-    """The figures of reports of a robot, some thousands at a time, each one in order of its time."""
-    epoch = seq = -1
-    while rows := store.rows(
-        f"SELECT epoch, seq, time, figures FROM report WHERE {where} AND (epoch, seq) > (?, ?) "
-        "ORDER BY epoch, seq LIMIT ?", (*window, epoch, seq, AT_ONCE),
-    ):  # fmt: skip
-        epoch, seq = rows[-1][:2]
-        values = np.array([figures_of_bytes((robot, *row[:2]), row[2], row[3]) for row in rows])
-        yield _of_reports(np.array([row[2] for row in rows], np.int64), values)
-
-
-def _of_reports(times: NDArray[np.int64], values: NDArray[np.float64]) -> FigureSeries:
-    """The figures of reports [reports, columns], in order of time."""
-    order = np.argsort(times, kind="stable")
-    values = values[order]
-    return FigureSeries(0, times[order], (~np.isnan(values)).astype(np.int64), values, values, values)
 
 
 class Exported(NamedTuple):

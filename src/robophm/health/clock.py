@@ -81,7 +81,7 @@ class Clock:
 
     def _rises(self, grid: Grid, measured: MeasuredClock) -> Array:
         held = grid.part.held(self.keys[0][1])
-        above = held.values > measured.threshold
+        above = held.values > measured.threshold if measured.becomes is None else held.values == measured.becomes
         rises = held.times[1:][above[1:] & ~above[:-1]]
         unheard = self._unheard(grid, measured, _first(held, grid.stretch))
         return self._steps(grid, rises, np.ones(len(rises))) + unheard

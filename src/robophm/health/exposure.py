@@ -21,8 +21,9 @@ from robophm.health.ledger import RECENT, Ledger, Step, Total
 from robophm.health.measured_inputs import MeasuredInput, measured_inputs
 from robophm.health.sample_stretch import Flags, Observed, SampleStretch, SignalSubset
 from robophm.health.stress_groups import StressGroup, StressGroups, channel_key
+from robophm.health.told_failures import ToldFailures
 from robophm.health.wear_readings import Ageing, take_samples
-from robophm.health.window import Array, Columns, Times, Window
+from robophm.health.window import Array, Columns, Times, Window, parted
 
 EACH = 2_500
 """Samples per bundle of signals beyond which bundles are integrated one by one, so that their arrays stay in cache."""
@@ -60,6 +61,7 @@ class ExposureIntegrator:
         self._whole = StressGroups(self.groups, channels, tuple(clock for clock in self.clocks if clock.measured))
         self.initial = np.array([mode.initial_exposure for mode in self.modes])
         self._by_hazard = [mode.scaling == "hazard" for mode in self.modes]
+        self._told = ToldFailures(robot)
         self._wears = [(i, mode.key, mode.wear) for i, mode in enumerate(self.modes) if mode.wear]
 
     def integrate(self, ledger: Ledger, samples: Sequence[Sample], until: int, duty: Array | None = None) -> None:
@@ -73,9 +75,24 @@ class ExposureIntegrator:
         self, ledger: Ledger, columns: Columns, ends: Sequence[int], duty: Array | None = None
     ) -> None:
         """Integrate periods with these ends [ns], ascending: bit for bit as ``integrate`` called for one after the
-        other."""
+        other.
+
+        A period is cut where samples in it tell of a failure, or that a part works again, of which the ledger knows
+        from then on.
+        """
         if ledger.integrated_to is None:
             ledger.integrated_to = ledger.started if ledger.started is not None else ends[0]
+        for told in self._told.news(ledger, columns):
+            if told.time > ledger.integrated_to:
+                before, columns = parted(columns, told.time)
+                self._integrate(ledger, before, [*(end for end in ends if end < told.time), told.time], duty)
+                ends = [end for end in ends if end > told.time]
+            self._told.take(ledger, told)
+        if ends:
+            self._integrate(ledger, columns, ends, duty)
+
+    def _integrate(self, ledger: Ledger, columns: Columns, ends: Sequence[int], duty: Array | None) -> None:
+        assert ledger.integrated_to is not None
         stretch = SampleStretch(ledger, columns, _with_recent(ledger.integrated_to, ends), self.robot)
         age, effective, hazard = np.zeros((3, len(stretch.bounds) - 1, len(self.modes)))
         went = _Went(age, effective, hazard, {}, {})
@@ -283,6 +300,15 @@ class ExposureIntegrator:
                 age = clock.measured.max_age if clock.measured.kind != "edge" else math.inf
                 bound += [(key, signal, age) for signal, key in clock.keys]
         return [(signal, ledger.last[key][0] if key in ledger.last else None, age) for key, signal, age in bound]
+
+
+def told_to_now(robot: Robot, ledger: Ledger) -> Ledger:
+    """Return a ledger that knows of all that software told of its failures, also in its open window: a copy, or itself.
+
+    So that a person who says something now says it after that.
+    """
+    told = any(mode.failed_when for mode in robot.modes)
+    return ExposureIntegrator(robot).settled(ledger) if told and len(ledger.pending) else ledger
 
 
 def _with_recent(start: int, ends: Sequence[int]) -> list[int]:

@@ -107,12 +107,12 @@ class Seen(NamedTuple):
 
 
 class Service(NamedTuple):
-    """A part replaced, repaired or failed: what its failure mode had behind it, and what it has from then on."""
+    """A part replaced, repaired or failed, or a failure that was none: what its mode has behind it before and after."""
 
     time: int
     mode: str
-    kind: Literal["replaced", "repaired", "failed"]
-    """``failed``: it has failed, and nothing was done about it yet."""
+    kind: Literal["replaced", "repaired", "failed", "struck out"]
+    """``failed``: it has failed, and nothing was done about it yet; ``struck out``: that was said, and was not so."""
     failed: bool
     """Whether this mode had failed; else its part was served in time."""
     before: tuple[float, float, float]
@@ -265,6 +265,24 @@ class Ledger:
         """Record a repair: the part of this mode, by key, works again with these sums, initial exposure included."""
         self._begin_anew(mode, "repaired", failed, after)
         self.inspect((mode,))
+
+    def strike_out(self, mode: str, by: str, note: str) -> None:
+        """Record that the last failure of a mode, by key, was none; what a repair since then left out counts again."""
+        own = [i for i, one in enumerate(self.services) if one.mode == mode]
+        last = max(i for i in own if self.services[i].kind == "failed")
+        if since := [i for i in own if i > last]:
+            repaired = self.services.pop(since[0])
+            i = self.modes.index(mode)
+            for total, before, after in zip(
+                (self.age, self.effective, self.hazard), repaired.before, repaired.after, strict=True
+            ):
+                total.high[i], total.low[i] = total.high[i] + (total.low[i] + (before - after)), 0.0
+            served = [
+                self.services[i].time for i in own if i < last and self.services[i].kind in ("replaced", "repaired")
+            ]
+            self.replaced.pop(mode, None)
+            self.replaced |= {mode: served[-1]} if served else {}
+        self.services[last] = self.services[last]._replace(kind="struck out", failed=False, by=by, note=note)
 
     def _begin_anew(
         self, key: str, kind: Literal["replaced", "repaired"], failed: bool, after: tuple[float, float, float]

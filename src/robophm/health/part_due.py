@@ -109,7 +109,11 @@ def _of_part(
     alarms: Mapping[str, str], risk: float, ledger: Ledger | None,
 ) -> PartDue:  # fmt: skip
     keys = {mode.key for mode in part.modes}
-    done = [one for one in ledger.services if one.mode in keys and one.kind != "failed"] if ledger else []
+    done = (
+        [one for one in ledger.services if one.mode in keys and one.kind not in ("failed", "struck out")]
+        if ledger
+        else []
+    )
     served = done[-1] if done else None
     wears = [seen[mode.path] for mode in part.modes if mode.path in seen]
     said = "; ".join(f"{one.signal} {one.says}" for one in wears)

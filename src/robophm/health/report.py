@@ -26,7 +26,7 @@ from robophm.health.mission import Completion, completion
 from robophm.health.outlooks import View
 from robophm.health.prognosis import Outlook, RemainingLife
 from robophm.health.subject import State, Subject, systems
-from robophm.health.uncertainty import LifeUncertainty
+from robophm.health.uncertainty import QUANTILES, Interval, LifeUncertainty, life_with_rates_unsure
 from robophm.health.unknown_rates import marked, marks, named
 from robophm.health.worn import SeenWear
 
@@ -113,6 +113,12 @@ class HealthReport:
         """Return which parts the robot's failures within the horizon will come from."""
         life = self.system.sensor_based.remaining_life or self.remaining_life()
         return failures_to_come(self.outlooks, self.design.diagram, life.median, self.horizon)
+
+    @cached_property
+    def life_with_rates_unsure(self) -> Interval | None:
+        """The robot's remaining life [h] with rates as uncertain as the design states; None where all are exact."""
+        found = life_with_rates_unsure(self.outlooks["sensor_based"], self.design.diagram, QUANTILES)
+        return None if found is None else Interval(*found.tolist())
 
     @cached_property
     def limited_values(self) -> tuple[LimitedValue, ...]:

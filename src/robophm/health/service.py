@@ -29,13 +29,17 @@ class ExposureBetweenServices:
     failed: bool
 
 
+SOFTWARE = "software"
+"""The name under which a ledger keeps who said so, where no person did."""
+
 MOST_WORDS = 1000
 """Characters of what is said of a service, at most; and of a name a tenth of them."""
 
 
 @dataclass(frozen=True)
 class ServiceNote:
-    """A person, or the robot itself, says that a part, or one failure mode of it, was served or has failed."""
+    """A person, or the robot itself, says that a part, or one failure mode of it, was served or has failed, or had
+    not."""
 
     part: str
     """Path of the component, or of its failure mode."""
@@ -47,11 +51,15 @@ class ServiceNote:
     note: str = ""
     waits: bool = False
     """Whether nothing was done yet: it has ``failed``, and waits to be replaced or repaired."""
+    none: bool = False
+    """Whether the last failure that was told of was none, so that it is struck out."""
 
     def __post_init__(self) -> None:
         """Raise RobophmError for a share that is none, or words that are too long or no text."""
         if self.waits and (not self.failed or self.remaining is not None):
             raise RobophmError("what waits to be replaced or repaired is neither yet; expected that it has failed")
+        if self.none and (self.failed or self.waits or self.remaining is not None):
+            raise RobophmError("what is struck out was neither a failure nor a service; expected that alone")
         if self.remaining is not None:
             number(self.remaining, "the share of its age that remains", high=1.0)
         for name, said, most in (("by", self.by, MOST_WORDS // 10), ("note", self.note, MOST_WORDS)):
@@ -60,7 +68,7 @@ class ServiceNote:
 
     def to_json(self) -> dict[str, Any]:
         """Return the note as plain values for JSON; who never heard of parts that wait reads all others."""
-        return {name: value for name, value in asdict(self).items() if name != "waits" or value}
+        return {name: value for name, value in asdict(self).items() if name not in ("waits", "none") or value}
 
     @classmethod
     def of(cls, data: Mapping[str, Any]) -> Self:
@@ -75,6 +83,8 @@ def take_note(robot: Robot, ledger: Ledger, said: ServiceNote) -> list[Service]:
     it failed.
     """
     before = len(ledger.services)
+    if said.none:
+        return strike_out(robot, ledger, said)
     if said.waits:
         fail(robot, ledger, said.part)
     elif said.remaining is None:
@@ -127,6 +137,28 @@ def fail(robot: Robot, ledger: Ledger, path: str) -> None:
         raise RobophmError(f"'{part.path}' has failed already; expected that it is replaced or repaired first")
     for mode in _failed(part, modes, ledger, failed=True):
         ledger.fail(mode.key)
+
+
+def strike_out(robot: Robot, ledger: Ledger, said: ServiceNote) -> list[Service]:
+    """Strike out the last failure of a component or of one of its failure modes, which was none; return what it is now.
+
+    What passed until software said that the part works again counts then. Raises RobophmError where none was
+    noted as it happened, or a person has replaced or repaired the part since.
+    """
+    keys = [mode.key for mode in find(robot, said.part)[1]]
+    own = [one for one in ledger.services if one.mode in keys]
+    noted = [i for i, one in enumerate(own) if one.kind == "failed"]
+    since = [one for one in own[noted[-1] + 1 :] if one.kind != "struck out"] if noted else []
+    if not noted:
+        raise RobophmError(f"'{said.part}': no failure of it was told of; expected one, to strike it out")
+    if any(one.by != SOFTWARE for one in since):
+        raise RobophmError(
+            f"'{said.part}' was {since[-1].kind} since it failed, and counts from then on; expected a failure that "
+            "nobody has done anything about"
+        )
+    mode = own[noted[-1]].mode
+    ledger.strike_out(mode, said.by, said.note)
+    return [next(one for one in reversed(ledger.services) if one.mode == mode and one.kind == "struck out")]
 
 
 def failures(ledger: Ledger) -> list[Service]:
@@ -188,7 +220,7 @@ def service_intervals(robot: Robot, ledger: Ledger) -> Iterator[ExposureBetweenS
     What passes from a failure to its repair is lived by nobody.
     """
     of: dict[str, list[Service]] = {}
-    for service in ledger.services:
+    for service in (one for one in ledger.services if one.kind != "struck out"):
         of.setdefault(service.mode, []).append(service)
     for part in robot.all_components():
         for mode in () if part in robot.causes else part.modes:

@@ -38,11 +38,15 @@ SCENARIOS = 50
 FEWEST_STEPS = 8
 """The fewest steps of the past from which the load to come is drawn."""
 
+QUANTILES: Array = np.array([0.95, 0.5, 0.05])
+"""The chances to still work at the three times of an interval."""
+
 _AT_ONCE = 2_000_000  # numbers that one array may hold: more draws take turns
 _IN_CACHE = 200_000  # numbers that work goes fast with
 _HUGE = 1e300  # stands for an infinite hazard, where infinity times a ratio of 0 would not
 _FEWEST_EFFECTIVE = 0.2  # of the draws, below which they are drawn by what is known of each part
 
+_QUICK = 200_000  # rates that are drawn where an answer is wanted at once
 _FEW = 200  # draws that a first guess is made with
 _STEPS_AHEAD = 64  # of a drawn load, which then begins anew
 
@@ -133,6 +137,10 @@ def life_uncertainty(
     ratios = draw_rates(outlook.plant, draws, seed)
     exact = np.ones((len(ratios), max(len(loads), 1)))
     of = partial(predictive_life, outlook, diagram)
+    if (ratios == 1).all():
+        chance = of(exact[:, :1], [outlook.course])
+        of_load = of(exact, loads) if loads else chance
+        return LifeUncertainty(of_load, of_load, chance, chance)
     load_known, chance = of(ratios, [outlook.course]), of(exact[:, :1], [outlook.course])
     if not loads:
         return LifeUncertainty(load_known, chance, load_known, chance)
@@ -227,8 +235,27 @@ def completions_of(outlook: Outlook, task: Task, ratios: Array, futures: Sequenc
     return np.stack(mission.phases.given(drawn.known, np.moveaxis(more, 1, 0))), drawn.weight
 
 
+def life_with_rates_unsure(outlook: Outlook, diagram: Block, survives: Array) -> Array | None:
+    """Return when survival falls to each of these chances [h], rates as uncertain as the design states them.
+
+    None where every rate is exact. With the load that is expected, and fewer draws of many uncertain rates.
+    """
+    unsure = sum(mode.uncertainty is not None for mode in outlook.plant.robot.modes)
+    if not unsure:
+        return None
+    draws = min(max(_QUICK // unsure, _FEW), DRAWS)
+    return predictive_times(outlook, diagram, draw_rates(outlook.plant, draws, 0), [outlook.course], survives)
+
+
 def predictive_life(outlook: Outlook, diagram: Block, ratios: Array, futures: Sequence[Future]) -> Interval:
     """Return quantiles of the remaining life [h] over draws of all rates (``draw_rates``), each with one future."""
+    return Interval(*predictive_times(outlook, diagram, ratios, futures, QUANTILES).tolist())
+
+
+def predictive_times(
+    outlook: Outlook, diagram: Block, ratios: Array, futures: Sequence[Future], survives: Array
+) -> Array:
+    """Return when survival falls to each of these chances [h] over draws of all rates, each with one future."""
     system = outlook.plant.system(diagram)
 
     def curve_of(ratios: Array) -> Curve:
@@ -260,10 +287,9 @@ def predictive_life(outlook: Outlook, diagram: Block, ratios: Array, futures: Se
         return curve
 
     if outlook.log_works(diagram) == -math.inf:
-        return Interval(0.0, 0.0, 0.0)
-    survives = np.array([0.95, 0.5, 0.05])
+        return np.zeros(len(survives))
     guess = time_at(curve_of(ratios[:, :_FEW]), 1 - survives, survives, tolerance=1e-3)
-    return Interval(*(float(time) for time in _refined(curve_of(ratios), survives, guess)))
+    return _refined(curve_of(ratios), survives, guess)
 
 
 def _refined(curve: Curve, survives: Array, guess: Array) -> Array:

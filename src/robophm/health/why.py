@@ -15,6 +15,7 @@ from robophm.health.failures_to_come import Contribution
 from robophm.health.prognosis import Outlook
 from robophm.health.report import HealthReport
 from robophm.health.stress_groups import channel_key
+from robophm.health.uncertainty import life_with_rates_unsure
 
 CHANCE = 0.9
 """The chance to still work for which a time is stated, unless the design states one (``thresholds.survival``)."""
@@ -84,7 +85,10 @@ class Explanation:
     chance: float
     """A chance to still work, from 0 to 1."""
     works_for: float
-    """Hours of calendar time until the chance to still work falls to it; 0 where the robot has failed."""
+    """Hours of calendar time until the chance to still work falls to it, rates as uncertain as the design states them;
+    0 where the robot has failed."""
+    works_for_at_stated_rates: float
+    """The same if every rate were exactly as stated."""
     median: float
     """Median remaining life [h]."""
     horizon: float
@@ -105,18 +109,23 @@ def explain(report: HealthReport) -> Explanation:
     chance = report.design.thresholds.survival or CHANCE
     life = report.system.sensor_based.remaining_life or report.remaining_life()
     found = report.failures_to_come
+    works_for, at_stated_rates = _works_for(outlook, chance) if life.median > 0 else (0.0, 0.0)
     return Explanation(
         chance,
-        _works_for(outlook, chance) if life.median > 0 else 0.0,
+        works_for,
+        at_stated_rates,
         life.median,
         found.horizon,
         tuple(_deciding(report, outlook, one) for one in _first(found.contributions)),
     )
 
 
-def _works_for(outlook: Outlook, chance: float) -> float:
-    survives = np.array([chance])
-    return float(time_at(outlook.curve(outlook.plant.robot.diagram), 1 - survives, survives)[0])
+def _works_for(outlook: Outlook, chance: float) -> tuple[float, float]:
+    """How long with rates as uncertain as stated, and if they were exact."""
+    diagram, survives = outlook.plant.robot.diagram, np.array([chance])
+    stated = time_at(outlook.curve(diagram), 1 - survives, survives)
+    unsure = life_with_rates_unsure(outlook, diagram, survives)
+    return float((stated if unsure is None else unsure)[0]), float(stated[0])
 
 
 def _first(contributions: Sequence[Contribution]) -> Iterator[Contribution]:

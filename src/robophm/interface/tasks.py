@@ -88,12 +88,12 @@ def why(of: HealthReport | RobotOrPath, store: Address | None = None) -> Explana
 
 def service(
     robot: RobotOrPath, part: str, store: Address, *, replaced: bool = False, repaired: float | None = None,
-    failed: bool = False, by: str = "", note: str = "", wait: float = WAIT,
+    failed: bool = False, struck_out: bool = False, by: str = "", note: str = "", wait: float = WAIT,
 ) -> list[Service]:  # fmt: skip
     """Tell a robot's ledger in a store that a part, or its failure mode, was replaced or repaired; return its services.
 
     ``repaired``: the share of its age that remains, 0 as new; ``failed``: it had failed, and alone: it has, and waits
-    for one of both; ``by`` whom, and a ``note``.
+    for one of both; ``struck_out``: the last failure that was told of was none; ``by`` whom, and a ``note``.
     Where another process goes on with the robot's past, it is asked, and answers within ``wait`` [s]. Without any
     all its services so far are returned, and nothing is written. Raises RobophmError, with the nearest name, for a part
     that is not there.
@@ -102,15 +102,19 @@ def service(
     instance(part, str, "part", "the path of a part")
     instance(replaced, bool, "replaced", "True or False")
     instance(failed, bool, "failed", "True or False")
+    instance(struck_out, bool, "struck_out", "True or False")
     share = None if repaired is None else number(repaired, "repaired", high=1.0)
     if replaced and share is not None:
         raise RobophmError("replaced and repaired: expected one of both")
+    if struck_out and (replaced or failed or share is not None):
+        raise RobophmError("struck_out is of a failure that was none; expected it alone")
     if store is None:
         raise RobophmError("store None: expected where the robot's past is kept")
-    if replaced or failed or share is not None:
+    if replaced or failed or struck_out or share is not None:
         instance(by, str, "by", "a name")
         instance(note, str, "note", "a text")
-        said = services.ServiceNote(part, share, failed, by, note, waits=not replaced and share is None)
+        waits = failed and not replaced and share is None
+        said = services.ServiceNote(part, share, failed, by, note, waits=waits, none=struck_out)
         note_service(store, found, said, wait=number(wait, "wait"))
     with stored_past(store, found) as (_, ledger):
         return services.services_of(found, ledger, part)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from robophm.core.errors import DataError
 from robophm.design.robot import Robot
+from robophm.health.exposure import told_to_now
 from robophm.health.ledger import Ledger
 from robophm.health.service import service_intervals
 from robophm.learning.rates.failure_log import Seen
@@ -16,11 +17,13 @@ from robophm.learning.rates.life_scale import Lived
 def rate_history(robot: Robot, ledger: Ledger, name: str) -> list[Seen]:
     """Return the experience of each failure mode, as from a log of failures; ``name`` is the robot's in its fleet.
 
+    What software told of failures counts also where it waits in the open window.
+
     Raises DataError where rates cannot be learned from it: of a life whose hazard is no power of age, stress that
     scales the hazard leaves a sum into which no other rate can be put.
     """
     found: dict[str, Seen] = {}
-    for one in service_intervals(robot, ledger):
+    for one in service_intervals(robot, told_to_now(robot, ledger)):
         seen = found.setdefault(one.mode.path, Seen(one.mode, name))
         seen.failures += one.failed
         seen.expected += one.parts * one.hazard

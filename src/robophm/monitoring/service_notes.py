@@ -14,6 +14,7 @@ from uuid import uuid4
 
 from robophm.core.errors import RobophmError
 from robophm.design.robot import Robot
+from robophm.health.exposure import told_to_now
 from robophm.health.ledger import Ledger, Service
 from robophm.health.service import ServiceNote, find, take_note
 from robophm.monitoring.replay import kept_ledger
@@ -56,7 +57,7 @@ def note_in(
     requests = requests_in(store, robot)
     if requests is None:
         with store.alone(robot.identity):
-            ledger = kept_ledger(robot, store) or Ledger.new(robot)
+            ledger = told_to_now(robot, kept_ledger(robot, store) or Ledger.new(robot))
             done = take_note(robot, ledger, said)
             store.save(robot.identity, ledger.to_json())
             return done
@@ -105,7 +106,7 @@ def answer_waiting(store: Store, robot: Robot, ledger: Ledger) -> None:
 
 def taken_in(robot: Robot, ledger: Ledger, requests: Sequence[ServiceRequest]) -> tuple[Ledger, Answers]:
     """Return a copy of a ledger that knows of what was asked, in order, and the answers; the ledger stays as it is."""
-    served, answers = ledger.copy(), Answers()
+    served, answers = told_to_now(robot, ledger.copy()), Answers()
     for request in requests:
         try:
             done = take_note(robot, served, ServiceNote.of(request.asked))

@@ -131,6 +131,9 @@ def _tiles(report: HealthReport) -> Html:
         }
         late = system.sensor_based.remaining_life
         span = f"90 % between {duration_text(late.early)} and {duration_text(late.late)}" if late else ""
+        if late and (unsure := report.life_with_rates_unsure):
+            low, high = duration_text(unsure.low), duration_text(unsure.high)
+            span += f" at the stated rates, between {low} and {high} with rates unsure"
         note = f"median; {system.unknown.said_ahead(span) if system.unknown else span}" if span else ""
         each.append(tile("Remaining life", lives, note, tone))
     if report.task and system.nominal.completion:

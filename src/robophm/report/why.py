@@ -22,8 +22,15 @@ def sentence(report: HealthReport, found: Explanation) -> str:
     """How long it works on, and what decides that: "Works on for 13 days with 90 %. The casters decide it: …"."""
     if not found.works_for > 0:
         return "It has failed, by what is known."
-    ahead = marks(report.system.unknown)[2]
-    said = f"Works on for {marked(ahead, duration_text(found.works_for))} with {percent_text(found.chance)}."
+    left_out = report.system.unknown
+    if left_out and math.isinf(found.works_for):
+        return f"How long it works on is unknown, as is the rate of all that can fail: {left_out.words}."
+    ahead = marks(left_out)[2]
+    works_for, if_exact = (
+        marked(ahead, duration_text(time)) for time in (found.works_for, found.works_for_at_stated_rates)
+    )
+    unsure = f" ({if_exact} if its rates were exactly as stated)" if if_exact != works_for else ""
+    said = f"Works on for {works_for} with {percent_text(found.chance)}{unsure}."
     if not found.parts:
         return f"{said} As far as is known nothing is left to fail."
     first = found.parts[0]

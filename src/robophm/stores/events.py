@@ -14,6 +14,7 @@ Kind = Literal[
     "silence",
     "silence ended",
     "failure",
+    "failure struck out",
     "replacement",
     "repair",
     "design change",
@@ -24,7 +25,11 @@ Kind = Literal[
 
 _STALE = "stale "
 
-_SERVICES: dict[str, Kind] = {"failed": "failure", "replaced": "replacement", "repaired": "repair"}
+_SERVICES: dict[str, Kind] = {"failed": "failure", "replaced": "replacement", "repaired": "repair",
+                              "struck out": "failure struck out"}  # fmt: skip
+
+_KINDS = {"struck out": "had not failed, struck out"}
+"""Words for kinds of services that are none by themselves."""
 
 
 class Event(NamedTuple):
@@ -70,8 +75,9 @@ def events_of(ledger: Mapping[str, Any]) -> Iterator[Event]:
     ):
         done: Kind = _SERVICES[kind]
         after = " after it had failed" if failed and done != "failure" else ""
-        by, note = (f" by {said[0]}" if said[0] else ""), (f": {said[1]}" if said[1] else "")
-        yield Event(time, done, mode, f"{_named(mode)} {kind}{after}{by}{note}")
+        by = f"{', told' * (done == 'failure')} by {said[0]}" if said[0] else ""
+        note = f": {said[1]}" if said[1] else ""
+        yield Event(time, done, mode, f"{_named(mode)} {_KINDS.get(kind, kind)}{after}{by}{note}")
     for time, part, kind, before in ledger.get("changes", ()):
         yield Event(time, "design change", part, f"{part}: {kind}{f', before {before}' if before else ''}")
 

@@ -160,6 +160,9 @@ class Health(Shape):
     """The parts that are seen to wear: what is critical first, then what comes first to its threshold."""
     to_come: ToCome | None
     """Failures to come; null before remaining life, on which they rest, has been worked out."""
+    unsure: list[float] | None
+    """Remaining life [h] of which 5 % and 95 % of robots reach the end, rates as uncertain as the design states them;
+    null where every rate is exact."""
     survival: float | None
     """Value of survival of which the design wants to know the time; null where it states none."""
     limits_set: bool
@@ -206,6 +209,7 @@ def health_of(
         subjects=[_subject(one, latest.get(one.path)) for one in report.subjects],
         wear=worn_parts(report.wear, report.outlooks["sensor_based"].plant),
         to_come=_to_come(lives, horizon) if lives else None,
+        unsure=[sure.low, sure.high] if lives and (sure := lives.life_with_rates_unsure) else None,
         survival=report.design.thresholds.survival,
         limits_set=report.design.limited,
         alarms=len(alarms),

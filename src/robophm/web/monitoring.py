@@ -388,7 +388,7 @@ class _Looking:
         report = health_report(monitor.plant, monitor.exposure, ledger, remaining_life=full, wear=wear)
         run.ledger, run.report, run.heard = ledger, report, monitor.exposure.heard(ledger)
         if full:
-            _ = report.failures_to_come  # here, so that whoever looks does not wait for it
+            _ = report.failures_to_come, report.life_with_rates_unsure  # here, so that nobody who looks waits for it
             run.lives, run.why = report, explain(report)
         self._alarms.look(with_earlier_look(report, run.lives) if run.lives and not full else report)
         run.looks += 1

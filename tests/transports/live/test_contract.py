@@ -156,6 +156,27 @@ def test_elements_by_their_names_in_any_order(source: LiveSource, publish: Calla
     assert "elbow" in said
 
 
+def test_messages_of_a_log_by_who_speaks_and_by_words(
+    source: LiveSource, room: ModuleType, publish: Callable[..., Any]
+) -> None:
+    """A node's name as such and as its logger, its children too; 0 where it has not the words; of others nothing."""
+    if isinstance(room, RosAsJson):
+        pytest.skip("JSON at a broker has no log of ROS")
+    type_ = "rosgraph_msgs/msg/Log" if room.__name__.endswith("ros1") else "rcl_interfaces/msg/Log"
+    log = publish("/c/log", type_.replace("/msg", ""))
+    names = ["/c/log.level[/amr/lidar]", "/c/log.level[amr/lidar: NO data]"]
+    heard = connected(log, Heard(source, *names))
+    said = [("/amr/lidar", "no data"), ("amr.lidar.tf", "there is no data"), ("amr.lidar_2", "no data"),
+            ("/lidar", "no data"), ("amr.lidar", "too hot")]  # fmt: skip
+    for level, (name, words) in enumerate(said, 1):
+        rest = {"stamp": log.types["builtin_interfaces/msg/Time"](time.time_ns() // SECOND, 0)}
+        if type_.startswith("rosgraph"):
+            rest = {"header": header(log, time.time_ns()), "topics": []}
+        log.publish(log.types[type_](level=level, name=name, msg=words, file="", function="", line=1, **rest))
+    within(5, lambda: heard.of(names[0]) == [1, 2, 5])
+    assert heard.of(names[1]) == [1, 2, 0]
+
+
 INTERFACES = {"DynamicJointState": "string[] joint_names\ncontrol_msgs/InterfaceValue[] interface_values\n",
               "InterfaceValue": "string[] interface_names\nfloat64[] values\n"}  # fmt: skip
 

@@ -111,7 +111,7 @@ told("report_service", part="wheel", repaired=True, remaining=1.5)
         app(["service", "robot.yaml", "motor", "--store", "other.db", *words], standalone_mode=False)
     assert kept(past) == kept(other)
     assert [one.said for one in kept(past)[1]] == [
-        "motor failed by self test: no current", "motor repaired after it had failed by Ada",
+        "motor failed, told by self test: no current", "motor repaired after it had failed by Ada",
     ]  # fmt: skip
 
 

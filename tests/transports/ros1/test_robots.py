@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
-from robophm.cli import watch
+from robophm.cli.shared import several_robots
 from robophm.core.errors import SourceError, StoreError
 from robophm.core.signal import CLOCK
 from robophm.design.file import parse
@@ -135,6 +135,14 @@ while not rospy.is_shutdown():
     rospy.sleep(0.05)
 """
 
+LOOKING_OFTEN = """
+from robophm.cli import main
+from robophm.cli.shared import several_robots
+
+several_robots.LOOK_EVERY = 0.2
+main()
+"""
+
 
 def test_who_comes_later_is_watched_and_is_the_same_when_it_comes_back(system: System, tmp_path: Path) -> None:
     """At 35 °C a rate is twice that at 25 °C, at 55 °C eight times; the past is one, of both spells."""
@@ -142,8 +150,8 @@ def test_who_comes_later_is_watched_and_is_the_same_when_it_comes_back(system: S
     system.talk(TALK)
     (tmp_path / "robot.yaml").write_text(DESIGN)
     process = subprocess.Popen(
-        [sys.executable, "-c", "from robophm.cli import main, watch; watch.LOOK_EVERY = 0.2; main()", "watch",
-         "robot.yaml", "--via", "ros1", "--robots", "amr_*", "--json", "--every", "0.3", "--store", "past.db"],
+        [sys.executable, "-c", LOOKING_OFTEN, "watch", "robot.yaml", "--via", "ros1", "--robots", "amr_*", "--json",
+         "--every", "0.3", "--store", "past.db"],
         cwd=tmp_path, env=os.environ | system.environment | {"PATH": os.environ["PATH"]}, text=True,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE,
     )  # fmt: skip
@@ -176,8 +184,8 @@ def test_who_comes_later_is_watched_and_is_the_same_when_it_comes_back(system: S
 
 def test_robots_beyond_what_one_process_watches_are_told_of_once(capsys: pytest.CaptureFixture[str]) -> None:
     names, told = [f"amr_{n}" for n in range(40)], set[str]()
-    assert watch._as_many_as_can_be(names, 0, told) == names[: watch.MOST_ROBOTS]
-    assert watch._as_many_as_can_be(names[32:], 32, told) == []
+    assert several_robots._as_many_as_can_be(names, 0, told) == names[: several_robots.MOST_ROBOTS]
+    assert several_robots._as_many_as_can_be(names[32:], 32, told) == []
     said = capsys.readouterr().err
     assert [name for name in names if f"robot {name} is not watched" in said] == names[32:]
     assert said.count("is not watched") == 8

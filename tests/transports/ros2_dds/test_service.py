@@ -83,7 +83,7 @@ def test_a_failure_that_the_robot_tells_of_is_in_its_past(outlet: Outlet, client
         assert (said[0]["noted"], said[0]["modes"], said[0]["refused"]) == (True, ["motor"], "")
         assert (said[1]["noted"], said[1]["refused"]) == (False, "no part 'motr'; did you mean 'motor'?")
         assert said[2]["refused"] == "'motor' has failed already; expected that it is replaced or repaired first"
-        assert [one.said for one in store.history(robot.identity).events()] == ["motor failed by robot"]
+        assert [one.said for one in store.history(robot.identity).events()] == ["motor failed, told by robot"]
 
 
 def test_who_cannot_be_answered_is_noted(outlet: Outlet, client: Peer) -> None:

@@ -21,6 +21,7 @@ from robophm.core.errors import RobophmError
 from robophm.core.files import replacing
 from robophm.core.signal import DAY
 from robophm.core.units import quantity
+from robophm.fleet.compaction import join_months
 from robophm.fleet.daily_history import write_days
 from robophm.fleet.kept_days import LEAST_KEPT, move_out
 from robophm.fleet.questions import present, reports
@@ -38,7 +39,7 @@ def command(
         typer.Option(
             "--to",
             help=".csv: all reports; .jsonl: each robot's newest ledger and report; without either: a folder, in which "
-            "each day that is over becomes Parquet, once",
+            "each day that is over becomes Parquet, once, and later a month",
         ),
     ],
     robot: Annotated[str | None, typer.Option(help="only this robot")] = None,
@@ -102,16 +103,22 @@ def _days(store: str, to: Path, keep: float | None, *, as_json: bool) -> None:
         if keep is not None:
             with counted(progress_console(), "moving old reports") as advance:
                 moved = move_out(fleet, to, now - round(keep * DAY), advance)
+    with counted(progress_console(), "joining months") as advance:
+        joined = join_months(to, now, advance)
     if moved and moved.kept:
         warn(f"{count_text(moved.kept)} old reports stay in the store: {to} has them not, or others in their place; a "
              "day's folder that is deleted is written anew")  # fmt: skip
     if as_json:
-        print_json({"folder": str(to), **found._asdict()} | ({"moved": moved._asdict()} if moved else {}))
+        print_json({"folder": str(to), **found._asdict(), "joined": joined._asdict()}
+                   | ({"moved": moved._asdict()} if moved else {}))  # fmt: skip
         return
     days = f"{count_text(len(found.days))} days, {count_text(found.rows)} rows" if found.days else "no new day"
     console().print(f"Written: {to}, {days}", markup=False)
     if moved:
         console().print(f"Moved out of the store: {count_text(moved.reports)} reports", markup=False)
+    if joined.months:
+        sizes = " MB instead of ".join(f"{size / 1e6:.3g}" for size in (joined.after, joined.before))
+        console().print(f"Joined: the days of {', '.join(joined.months)}, {sizes} MB", markup=False)
 
 
 def _table(fleet: FleetStore, robot: str | None) -> Iterator[str]:

@@ -13,7 +13,7 @@ from robophm.cli.shared.output import console, print_json, print_table, table, w
 from robophm.cli.shared.past_span import COURSE, course_of, span_of
 from robophm.core.json_values import plain
 from robophm.core.signal import HOUR
-from robophm.fleet.questions import history
+from robophm.fleet.robot_history import history
 from robophm.fleet.store import FleetStore
 from robophm.report.words import count_text, duration_text, failure_text, moment_text, number_text
 from robophm.stores.outbox import COLUMNS

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from rich.table import Table
 
@@ -11,6 +11,7 @@ from robophm.cli.shared.output import console, print_table, table
 from robophm.design.robot import Robot
 from robophm.health.failures_to_come import FailuresToCome
 from robophm.health.plant import Plant
+from robophm.health.prognosis import RemainingLife
 from robophm.health.report import ComponentHealth, HealthReport
 from robophm.health.uncertainty import Interval
 from robophm.health.unknown_rates import PartsOfUnknownRate, marked, marks, named
@@ -89,24 +90,7 @@ def print_report(report: HealthReport, unit: str) -> None:
     system = report.system.sensor_based
     left_out = report.system.unknown
     if system.remaining_life:
-        life = system.remaining_life
-        span = f"90 % between {duration_text(life.early)} and {duration_text(life.late)}"
-        said = f"median {duration_text(life.median)}, mean {duration_text(life.mean)}, {span}"
-        out.print(f"Remaining life (calendar time): {left_out.said_ahead(said) if left_out else said}", markup=False)
-        wanted = robot.thresholds.survival
-        if life.threshold is not None and wanted is not None:
-            said = f"{duration_text(life.threshold)} with {percent_text(wanted)}"
-            out.print(f"Works on for {left_out.said_ahead(said) if left_out else said}", markup=False)
-    if sure := report.uncertainty:
-        both = (("rates", sure.of_rates), ("the load (drawn from its past)", sure.of_load))
-        unsure = [name for name, is_it in both if is_it]
-        spans = [(f"with {' and '.join(unsure)} unsure", sure.all_sources)] if unsure else []
-        if sure.of_rates and sure.of_load:
-            spans.append(("if rates were known exactly", sure.rates_known))
-            spans.append(("if the load stayed as it was recently", sure.load_known))
-        for what, interval in spans:
-            said = _span(interval)
-            out.print(f"  {what}: {left_out.said_ahead(said) if left_out else said}", markup=False)
+        print_life(report, system.remaining_life)
     if report.task and system.completion:
         task = f"{number_text(report.task.distance)} m in {duration_text(report.task.duration)}"
         chance = probability_text(system.completion.probability, system.completion.failure)
@@ -121,6 +105,42 @@ def print_report(report: HealthReport, unit: str) -> None:
         out.print(f"warning: {words}", style="yellow", markup=False)
     for breach in report.breaches:
         out.print(f"threshold breached: {breach}", style="bold red", markup=False)
+
+
+def print_life(report: HealthReport, life: RemainingLife) -> None:
+    """Print a remaining life as if all were exactly as stated, and with what is unsure."""
+    left_out, wanted = report.system.unknown, report.design.thresholds.survival
+    if left_out and math.isinf(life.median):
+        console().print("Remaining life: unknown, as is the rate of all that can fail", markup=False)
+        return
+
+    def said(text: str) -> str:
+        return left_out.said_ahead(text) if left_out else text
+
+    spans = {what: _span(interval) for what, interval in _unsure(report) if interval is not None}
+    stated = ", at the stated rates" if any("rates" in what for what in spans) else ""
+    stated += " and its recent load" if stated and any("load" in what for what in spans) else ""
+    out, span = console(), _span(Interval(life.early, life.median, life.late))
+    text = said(f"{span}, mean {duration_text(life.mean)}")
+    out.print(f"Remaining life (calendar time{stated}): {text}", markup=False, soft_wrap=True)
+    for what, text in spans.items():
+        out.print(f"  with {what} unsure: {said(text)}", markup=False, soft_wrap=True)
+    if life.threshold is not None and wanted is not None:
+        text = f"{duration_text(life.threshold)} with {percent_text(wanted)}{stated}"
+        out.print(f"Works on for {said(text)}", markup=False)
+
+
+def _unsure(report: HealthReport) -> Iterator[tuple[str, Interval | None]]:
+    """What is not known exactly, all of it first, and how far the remaining life may lie for that."""
+    load = "the load (drawn from its past)"
+    if (sure := report.uncertainty) is None:
+        yield "rates", report.life_with_rates_unsure
+    elif sure.of_rates and sure.of_load:
+        yield f"rates and {load}", sure.all_sources
+        yield "rates alone", sure.load_known
+        yield "the load alone", sure.rates_known
+    elif sure.of_rates or sure.of_load:
+        yield "rates" if sure.of_rates else load, sure.all_sources
 
 
 def print_unknown(left_out: PartsOfUnknownRate | None, robot: Robot) -> None:

@@ -29,7 +29,8 @@ from robophm.fleet.page.views import (
 )
 from robophm.fleet.payload import Ahead
 from robophm.fleet.proposals import proposal, proposals
-from robophm.fleet.questions import RobotHistory, history, present, refused_of_nobody, status
+from robophm.fleet.questions import present, refused_of_nobody, status
+from robophm.fleet.robot_history import RobotHistory, history
 from robophm.fleet.store import FleetStore
 from robophm.fleet.trend import trend
 from robophm.report.markup import Html

@@ -12,7 +12,8 @@ from robophm.core.signal import HOUR
 from robophm.fleet.commit import BELIEVED
 from robophm.fleet.page.listing import ORDERS, Asked, Group, Line, Totals
 from robophm.fleet.payload import Ahead
-from robophm.fleet.questions import RobotHistory, RobotStatus
+from robophm.fleet.questions import RobotStatus
+from robophm.fleet.robot_history import RobotHistory
 from robophm.fleet.trend import MEDIAN, QUANTILES, FleetDay
 from robophm.report.curve import Line as Curve
 from robophm.report.curve import curve_svg

@@ -7,6 +7,9 @@ from robophm.core.signal import is_robot_name
 from robophm.transports.live.renamed import RenamedSource
 from robophm.transports.signals.source import LiveSource, TopicInfo
 
+LOG = "/rosout"
+"""The topic on which the nodes of all robots log."""
+
 
 def namespace_of(robot: str) -> str:
     """Return the namespace of a robot, ``/amr_7`` for ``amr_7``. Raises SourceError where that can be none."""
@@ -19,12 +22,17 @@ def namespace_of(robot: str) -> str:
 class OneRobot(RenamedSource):
     """A live source as one robot's own: of ``/amr_7/motor`` the topic ``/motor``. What is not below is not heard.
 
+    ``/rosout`` is one topic for all: of it are heard the nodes below, ``/amr_7/lidar`` as ``/lidar``.
+
     Raises SourceError where the name is no namespace.
     """
 
     def __init__(self, source: LiveSource, robot: str) -> None:
         self.root = namespace_of(robot)
-        super().__init__(source, lambda topic: f"{self.root}/{topic.removeprefix('/')}")
+        super().__init__(source, lambda topic: topic if topic == LOG else f"{self.root}/{topic.removeprefix('/')}")
+
+    def _meant(self, topic: str, field: str) -> str:
+        return field.replace("[/", f"[{self.root}/", 1) if topic == LOG else field
 
     @property
     def place(self) -> str:
@@ -41,5 +49,5 @@ class OneRobot(RenamedSource):
     def topics(self) -> list[TopicInfo]:
         """Return the topics of the robot, named from its namespace."""
         below = f"{self.root}/"
-        found = (info for info in self._source.topics() if info.topic.startswith(below))
+        found = (info for info in self._source.topics() if info.topic.startswith(below) or info.topic == LOG)
         return [info.called(info.topic.removeprefix(self.root)) for info in found]

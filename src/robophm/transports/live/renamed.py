@@ -42,7 +42,7 @@ class RenamedSource(LiveSource):
         for signal in signals:
             if signal != CLOCK:
                 topic, field = split_signal(signal)
-                meant = WantedSignal(f"{self._whole(topic)}.{field}", wanted_unit(signal))
+                meant = WantedSignal(f"{self._whole(topic)}.{self._meant(topic, field)}", wanted_unit(signal))
                 asked.setdefault(meant, []).append(signal)
                 whole.setdefault(self._whole(topic), [topic])  # where what is missing of it is told
         wanted = [signal for signal in asked if signal != CLOCK]
@@ -50,6 +50,10 @@ class RenamedSource(LiveSource):
         if all([name] == names for name, names in (*asked.items(), *whole.items())):
             return heard  # each by its own name: nothing is made of every sample anew
         return _by_names(heard, asked, whole)
+
+    def _meant(self, topic: str, field: str) -> str:
+        """The field that a field of a topic means."""
+        return field
 
     def stop(self) -> None:
         """End ``listen`` once all that has come so far has been taken."""

@@ -79,6 +79,31 @@ class Namer:
         raise NotNamedError(names)
 
 
+class LogNamer(Namer):
+    """Tells a message of a log by the node that it is of, and perhaps by words in it: ``lidar``, ``lidar: no data``.
+
+    A node is told as the node itself and as a logger: ``/amr/lidar`` speaks as ``amr.lidar`` and ``amr.lidar.tf`` too.
+    """
+
+    @classmethod
+    def of(cls, beside: Iterable[Field]) -> LogNamer | None:
+        """Return one where a message, by its fields, is of a log: it has the name of who speaks, and words."""
+        own = {one.name for one in beside if one.type == "string" and one.length is None}
+        return cls("name", None) if {"name", "msg"} <= own else None
+
+    def element(self, chain: Sequence[Any], elements: Any, name: str) -> Any:
+        """Return the number of a message of this node, 0 where it does not have the words. Raises NotNamedError."""
+        node, _, words = name.partition(":")
+        speaker = chain[-1].name
+        if not f"{_dotted(speaker)}.".startswith(f"{_dotted(node)}."):
+            raise NotNamedError([speaker])
+        return elements if words.strip().casefold() in chain[-1].msg.casefold() else 0
+
+
+def _dotted(node: str) -> str:
+    return node.strip().strip("/").replace("/", ".")
+
+
 def namer_of(around: Sequence[Iterable[Field]], array: str, within: Iterable[Field]) -> Namer | None:
     """Return the place of the names of an array's elements; None where nothing names them.
 

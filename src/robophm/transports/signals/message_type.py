@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from robophm.core.errors import SourceError, nearest
 from robophm.core.signal import Reduction, any_element, steps_of
-from robophm.transports.signals.element_names import Field, Way, getter, namer_of, number
+from robophm.transports.signals.element_names import Field, LogNamer, Way, getter, namer_of, number
 from robophm.transports.signals.installed_definitions import definitions_in, places
 from robophm.transports.signals.json_messages import ENCODINGS
 
@@ -397,10 +397,11 @@ def ways_to(definitions: Typesdict, type_: str, field: str) -> list[Way]:
         _, attribute, part, array = here[name]
         around.append(fields)
         walked += ("." if walked else "") + name
-        if array is None and element is not None:
+        teller = LogNamer.of(fields) if array is None and isinstance(element, str) else None
+        if array is None and element is not None and not teller:
             raise SourceError(f"({type_}) has one value in '{walked}'; expected it without an index")
         within = [Field(*one) for one in field_parts(definitions, part)] if part in definitions else []
-        namer = None if array is None else namer_of(around, name, within)
+        namer = teller if array is None else namer_of(around, name, within)
         if array is not None and element is None:
             expected = f"'{walked}[0]'" + (f", or by a name of '{namer.attribute}'" if namer else "")
             raise SourceError(f"({type_}) has an array in '{walked}'; expected e.g. {expected}")
@@ -412,6 +413,8 @@ def ways_to(definitions: Typesdict, type_: str, field: str) -> list[Way]:
             raise SourceError(f"({type_}) names no element of '{walked}'; expected an index, e.g. '{walked}[0]'")
         walked += "" if element is None else f"[{element}]"
         ways.append(Way(attribute, element, namer))
+    if isinstance(ways[-1].namer, LogNamer) and part in _NUMBERS:
+        return ways
     told = part == "string" and ways[-1].element is None and any(isinstance(way.element, str) for way in ways)
     if any_element(field) not in known and not told:
         inner = next((one.name for one in within if one.type in _NUMBERS or one.name == "value"), "")

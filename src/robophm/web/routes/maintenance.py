@@ -54,7 +54,7 @@ class ServiceDone(Shape):
     time: float | None
     """Time to which the robot's life had been counted then [s since the epoch]; null before its first."""
     mode: str
-    kind: Literal["replaced", "repaired", "failed"]
+    kind: Literal["replaced", "repaired", "failed", "struck out"]
     failed: bool
     before: float
     """Effective age before it [unit of its clock]."""

@@ -36,6 +36,7 @@ export function Cards({ health }: { health: Health }): ReactNode {
       <Figure trends={trends} card="remaining_life" text={(value) => marked(left, "ahead", durationText(value))} tone={tone} name="Remaining life, median" value={life ? marked(left, "ahead", durationText(life.median)) : "…"} rows={[
         ["nominal", nominal.remaining_life ? marked(left, "ahead", durationText(nominal.remaining_life.median)) : "…"],
         ["90 % between", life ? marked(left, "ahead", `${durationText(life.early)} and ${durationText(life.late)}`) : "…"],
+        ...(health.unsure ? [["with rates unsure", marked(left, "ahead", `${durationText(health.unsure[0])} and ${durationText(health.unsure[1])}`)] as [string, string]] : []),
         ...(health.survival != null ? [[`with ${percentText(health.survival)}`, life ? marked(left, "ahead", durationText(life.survived)) : "…"] as [string, string]] : []),
         ...limit("remaining_life", durationText),
       ]} />

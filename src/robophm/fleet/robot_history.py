@@ -1,0 +1,98 @@
+"""The figures of one robot over time, from a fleet's store and from the folder to which old reports were moved."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robophm.fleet.kept_days import AHEAD, Reports, kept_reports
+from robophm.fleet.store import FleetStore
+from robophm.stores.figures import FigureSeries, joined
+
+AT_ONCE = 20_000
+"""Reports whose points are worked out at a time; rows that are asked of the store at a time."""
+
+
+class RobotHistory(NamedTuple):
+    """The figures of one robot over time."""
+
+    series: FigureSeries
+    """Figures in the order of COLUMNS."""
+    ahead: int
+    """Number of reports whose time lies ahead of the fleet's clock: those are not in the series."""
+    elsewhere: int
+    """Number of reports, of whatever time, that came and are neither in the store nor in the folder that was given."""
+
+
+def history(
+    store: FleetStore, robot: str, start: int | None, end: int | None, points: int, days: Path | None = None
+) -> RobotHistory:
+    """Return a robot's figures from a time until before another [ns], None being open, in at most so many points.
+
+    ``days``: the folder of days to which old reports were moved. Where there were more reports than points, each point
+    is the lowest, mean and highest of a span of time. A year of a report a minute takes 200 MB while it is read. Raises
+    RobophmError.
+    """
+    number = store.number_of(robot)
+    window = number, -(2**63) if start is None else start, 2**63 - 1 if end is None else end
+    ((there, ahead),) = store.rows(
+        f"SELECT count(*), coalesce(sum(CASE WHEN time > received + {AHEAD} THEN 1 ELSE 0 END), 0) FROM report "
+        "WHERE robot = ?", (number,),
+    )  # fmt: skip
+    elsewhere = sum(came for (came,) in store.rows("SELECT reports FROM epoch WHERE robot = ?", (number,))) - there
+    told = [*_of_store(store, window)]
+    if days:
+        for one in _moved(store, robot, number, days):
+            believed = one.time <= one.received + AHEAD
+            elsewhere -= len(one.time)
+            ahead += int((~believed).sum())
+            told.append(one.rows(believed & (one.time >= window[1]) & (one.time < window[2])))
+    return RobotHistory(_points(Reports.together(told), points), int(ahead), elsewhere)
+
+
+def _moved(store: FleetStore, robot: str, number: int, folder: Path) -> list[Reports]:
+    """The reports of a robot that are in a folder of days alone."""
+    last: dict[int, int] = dict(store.rows("SELECT number, moved FROM epoch WHERE robot = ? AND moved > 0", (number,)))
+    again = store.rows(
+        "SELECT report.epoch, seq FROM report JOIN epoch ON epoch.robot = report.robot AND epoch.number = report.epoch "
+        "WHERE report.robot = ? AND seq <= moved", (number,),
+    )  # fmt: skip
+    return kept_reports(folder, robot, last, {(epoch, seq) for epoch, seq in again})
+
+
+def _of_store(store: FleetStore, window: tuple[int, int, int]) -> Iterator[Reports]:
+    """The reports of a robot in a window of time that are in the store, and not ahead of the fleet's clock."""
+    epoch = seq = -1
+    while rows := store.rows(
+        "SELECT epoch, seq, time, received, thinned, figures FROM report WHERE robot = ? AND time >= ? AND "
+        f"time < ? AND time <= received + {AHEAD} AND (epoch, seq) > (?, ?) ORDER BY epoch, seq LIMIT ?",
+        (*window, epoch, seq, AT_ONCE),
+    ):  # fmt: skip
+        epoch, seq = rows[-1][:2]
+        yield Reports.of_rows(window[0], rows)
+
+
+def _points(told: Reports, points: int) -> FigureSeries:
+    """The figures of reports in order of time, joined where there are more than so many points.
+
+    However the reports were come by, the same ones give the same points to the bit.
+    """
+    told = told.rows(np.lexsort((told.seq, told.epoch, told.time)))
+    count = len(told.time)
+    if count <= points:
+        return _series(told)
+    width = -(-(int(told.time[-1]) - int(told.time[0]) + 1) // (points - 1))
+    begins = np.flatnonzero(np.diff(told.time // width, prepend=told.time[0] // width - 1))
+    cuts = begins[np.unique(np.searchsorted(begins, np.arange(0, count, AT_ONCE)).clip(max=len(begins) - 1))]
+    parts = [joined(_series(told.rows(slice(one, end))), width)
+             for one, end in zip(cuts, [*cuts[1:], count], strict=True)]  # fmt: skip
+    return FigureSeries._make((width, *map(np.concatenate, zip(*(one[1:] for one in parts), strict=True))))
+
+
+def _series(told: Reports) -> FigureSeries:
+    values: NDArray[np.float64] = told.figures.astype(np.float64)
+    return FigureSeries(0, told.time, (~np.isnan(values)).astype(np.int64), values, values, values)
