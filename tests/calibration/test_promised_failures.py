@@ -64,7 +64,7 @@ def test_a_count_is_judged_by_both_tails(promised, noted):
 
 def test_what_is_said():
     assert CountedFailures(0.23, 0).says == (
-        "Nothing speaks against what was promised: 0.23 promised, none noted; 2 or more would have"
+        "Nothing speaks against what was promised: 0.23 promised, none noted; 2 or more would speak against it"
     )
     assert CountedFailures(12.0, 2).says.startswith(
         "What was promised does not hold: 12 promised, 2 noted, fewer than chance explains (0.1"

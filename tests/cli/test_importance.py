@@ -64,7 +64,7 @@ def test_a_bound_is_said_to_be_one_and_nothing_beside_it_says_otherwise(inside, 
     text = inside("importance", "robot.yaml", "--within", "1000 h").stdout
     assert f"with at least {100 * -math.expm1(-0.1):.3f} %" in text  # whatever the board's rate is
     assert "what is stated is as if" not in text
-    assert "what is not said to be at least or at most is as if it never fails, and may be more or less" in text
+    assert "a figure without 'at least' or 'at most' is as if it never fails, and may be more or less" in text
 
 
 def test_what_is_a_bit_below_certain_is_not_called_certain(inside, tmp_path):

@@ -14,6 +14,7 @@ import pytest
 
 from robophm.cli import INVALID, OK
 from robophm.cli.shared.output import SCHEMA_VERSION, json_text
+from robophm.design.build import UNTAKEN
 
 CDR = ["style=CDR", "capacitance=100 nF", "temperature=60 degC", "dc_voltage=8 V", "rated_voltage=16 V"]
 SET = [word for pair in (*CDR, "environment=GM") for word in ("--set", pair)]
@@ -42,7 +43,7 @@ def test_warnings_stay_out_of_the_document(inside, design, recording):
     design.write_text(design.read_text() + "signals: {humidity: {topic: /h, field: relative_humidity}}\n")
     done = inside("check", design)
     assert done.returncode == OK
-    assert done.stderr == "warning: signals/humidity: no part below takes this input\n"
+    assert done.stderr == f"warning: signals/humidity: {UNTAKEN}\n"
     assert json.loads(inside("check", design, "--json").stdout)["warnings"] == [done.stderr[9:].strip()]
     replayed = inside("replay", design, recording, "--json")
     assert json.loads(replayed.stdout)["schema_version"] == SCHEMA_VERSION

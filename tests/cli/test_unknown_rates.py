@@ -105,7 +105,7 @@ FACES = [
     ("fault-tree --monte-carlo 1000", [r"occurs with at least ", rf"{LEFT_OUT}: a probability of failing"]),
     ("importance", [
         r"fails within .* with (at least \d+\.\d+ %|\d+\.\d+ %, if it never fails)\n",
-        rf"{LEFT_OUT}: what is not said to be at least or at most is as if it never fails",
+        rf"{LEFT_OUT}: a figure without 'at least' or 'at most' is as if it never fails",
         r"As it is: (at most median [^,]*, mean .*|median .*, if it never fails)\n",
     ]),
     ("predict --draws 200", [r"with rates unsure: (at most .*|.*, if it never fails)"]),

@@ -85,4 +85,4 @@ class CountedFailures:
             )
         low = "" if few is None else "none, or " if few == 0 else f"{few} or fewer, or "
         seen = f"{low}{many} or more"
-        return f"Nothing speaks against what was promised: {counted}; {seen} would have"
+        return f"Nothing speaks against what was promised: {counted}; {seen} would speak against it"

@@ -50,7 +50,9 @@ def _print(name: str, alarms: list[Alarm], limits: str) -> None:
     out = console()
     if not alarms:
         why = "" if limits else "; the design states no limits (`thresholds`), so that no figure can begin one"
-        out.print(f"{name}: no alarm so far{why}", markup=False)
+        out.print(
+            f"{name}: no alarm so far; watch and serve begin them, replay does not{why}", markup=False, soft_wrap=True
+        )
         return
     rows = [
         [

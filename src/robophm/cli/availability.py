@@ -15,7 +15,7 @@ from robophm.cli.shared.stored_past import kept
 from robophm.core.json_values import plain
 from robophm.design.build_task import with_knowledge
 from robophm.design.file import load
-from robophm.design.robot import Robot
+from robophm.design.robot import UNKNOWN, Robot
 from robophm.design.task import Plan
 from robophm.health.availability import Availability
 from robophm.health.outlooks import View
@@ -72,12 +72,15 @@ def _show(name: str, found: Mapping[View, Availability], robot: Robot, most: int
     columns = ["part", "repaired in", "mean life", "down", "failures", "causes", "keeps down"]
     columns += ["causes, nominal"] if designed else []
     nominal = {one.unit: one.causes for one in designed.parts} if designed else {}
+    unknown = {unit for part in robot.all_components() if part.unknown for unit in part.units}
     rows = []
     for part in mine.parts[:most]:
         many = counts.get(part.unit, 1)
         row = [f"{many} × {part.unit}" if many > 1 else part.unit]
         row += ["not" if math.isinf(part.repair) else duration_text(part.repair), duration_text(part.mean_life)]
         row += [share_text(part.down), number_text(part.failures), share_text(part.causes), share_text(part.keeps_down)]
+        if part.unit in unknown:
+            row[2:] = [UNKNOWN] * len(row[2:])
         rows.append(row + ([share_text(nominal[part.unit])] if nominal else []))
     print_table(out, table("", columns, rows, figures=range(1, len(columns))))
     if len(rows) < len(mine.parts):
@@ -88,23 +91,29 @@ def _show(name: str, found: Mapping[View, Availability], robot: Robot, most: int
 
 def _ahead(found: Availability) -> str:
     down = found.hours_down / found.hours
+    least, most = ("at least ", "at most ") if found.unknown else ("", "")
     return (
-        f"within {duration_text(found.hours)}: {number_text(found.failures)} failures, down for "
-        f"{duration_text(found.hours_down)}: works {percent_text(1 - down, down)} of the time, and at its end with "
-        f"{percent_text(found.at_its_end)}"
+        f"within {duration_text(found.hours)}: {least}{number_text(found.failures)} failures, down for "
+        f"{least}{duration_text(found.hours_down)}: works {most}{percent_text(1 - down, down)} of the time; at the end "
+        f"of it with {most}{percent_text(found.at_its_end)}"
     )
 
 
 def _long_run(found: Availability) -> str:
     settled = found.long_run
     if settled.frequency == 0 and settled.unavailability == 0:
-        return "in the long run: never fails"
+        return (
+            "in the long run: unknown, as is the rate of all that can fail"
+            if found.unknown
+            else ("in the long run: never fails")
+        )
     if settled.frequency == 0:
         return "in the long run: stays failed, by parts that are not repaired"
+    most = "at most " if found.unknown else ""
     return (
-        f"in the long run: works {percent_text(settled.availability, settled.unavailability)} of the time; fails every "
-        f"{duration_text(settled.time_between_failures)} (MTBF), and is back after {duration_text(settled.time_down)} "
-        "(MTTR), in the mean"
+        f"in the long run: works {most}{percent_text(settled.availability, settled.unavailability)} of the time; fails "
+        f"every {duration_text(settled.time_between_failures)} (MTBF), and is back after "
+        f"{duration_text(settled.time_down)} (MTTR), on average"
     )
 
 

@@ -10,6 +10,7 @@ from robophm.health.refusal import refusal
 from robophm.health.unknown_rates import named, unknown_in_parts
 from robophm.parts import graded
 from robophm.report.surroundings import environments, environments_in_words, qualities, qualities_in_words
+from robophm.report.words import many_text
 
 
 def command(design: Design, as_json: Json = False) -> None:
@@ -56,9 +57,11 @@ def command(design: Design, as_json: Json = False) -> None:
     if entries:
         warn("by the library of parts: " + "; ".join(f"{path} ({said})" for path, said in entries.items()), "note")
     console().print(
-        f"{design}: {robot.name} is valid: {len(list(robot.all_modules()))} modules, {robot.part_count} parts, "
+        f"{design}: {robot.name} is valid: {many_text(len(list(robot.all_modules())), 'module')}, "
+        f"{many_text(robot.part_count, 'part')}, "
         + (f"{left_out.parts} of them of unknown rate, " if left_out else "")
         + (f"{robot.part_count - driven} that no sensor drives, " if robot.signals else "")
-        + (f"{len(robot.causes)} common causes, " if robot.causes else "")
-        + f"{len(robot.signals)} signals, {len(warnings)} warnings", markup=False, soft_wrap=True
+        + (f"{many_text(len(robot.causes), 'common cause')}, " if robot.causes else "")
+        + f"{many_text(len(robot.signals), 'signal')}, {many_text(len(warnings), 'warning')}",
+        markup=False, soft_wrap=True,
     )  # fmt: skip

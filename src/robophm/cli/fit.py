@@ -25,6 +25,7 @@ from robophm.cli.shared.unused import refuse_unused
 from robophm.core.errors import RobophmError
 from robophm.design import file
 from robophm.learning.life_data.distribution_fitting import (
+    MOST_BELOW_ZERO,
     Fit,
     Goodness,
     How,
@@ -258,6 +259,8 @@ def _show(
         out.print(
             f"{data.parts} parts are too few to correct AIC for them: ranked without", style="yellow", markup=False
         )
+    if below := [one.name for one in fits if one.below_zero > MOST_BELOW_ZERO]:
+        out.print(f"Last, as some of their lives would be below zero: {', '.join(below)}", markup=False, soft_wrap=True)
     close = [one.name for one in as_good_as_best(fits)]
     if len(fits) > 1:
         also = f"; {', '.join(close)} cannot be told from it" if close else ""

@@ -10,6 +10,7 @@ from robophm.cli.shared.options import Design, Json, stated_store
 from robophm.cli.shared.output import console, print_json
 from robophm.core.errors import RobophmError
 from robophm.design.file import load
+from robophm.design.robot import CLOCK_UNITS
 from robophm.health.service import ServiceNote, services_of
 from robophm.monitoring.service_notes import WAIT, note_service
 from robophm.monitoring.stored_past import stored_past
@@ -73,15 +74,15 @@ def command(
     if as_json:
         print_json({"robot": robot.name, "services": [one._asdict() for one in some]})
         return
-    paths = {mode.key: mode.path for mode in robot.modes}
+    modes = {mode.key: mode for mode in robot.modes}
     out = console()
     if not some:
         out.print(f"{part}: has not failed, and was neither replaced nor repaired so far", markup=False)
     for one in some:
-        path = paths[one.mode]
+        path, unit = modes[one.mode].path, CLOCK_UNITS[modes[one.mode].clock]
         when = past_moment_text(one.time)
-        done = f", at an effective age of {number_text(one.before[1])}"
+        done = f", at an effective age of {number_text(one.before[1])} {unit}"
         if one.kind not in ("failed", "struck out"):
-            done = f"{' after it failed' if one.failed else ''}{done}; goes on at {number_text(one.after[1])}"
+            done = f"{' after it failed' if one.failed else ''}{done}; goes on at {number_text(one.after[1])} {unit}"
         who = f"{f', by {one.by}' if one.by else ''}{f': {one.note}' if one.note else ''}"
         out.print(f"{when}: {path} {KINDS.get(one.kind, one.kind)}{done}{who}", markup=False, soft_wrap=True)

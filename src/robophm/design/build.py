@@ -33,6 +33,12 @@ MOST_PARTS = 1000
 _OF_ONE_MODE = {*FIGURES, "hazard", "life", "clock", "scaling", "initial_exposure", "learned", "wear", "failed_when"}
 
 
+UNTAKEN = (
+    "no part below takes this input: a rate by itself is the same under any stress; expected an `acceleration` beside "
+    "it, a hazard model or a part of the library"
+)
+"""What is said of a signal that changes no figure."""
+
 MOST_DRAWN = 1_000_000
 """Parts in a diagram when all modules, and all that they depend on, are drawn in their places."""
 
@@ -138,7 +144,7 @@ class _Builder:
             if place[-2] == "signals" and self._binding(place).range is None
         ]
         warnings += [
-            f"{'/'.join(place)}: no part below takes this input"
+            f"{'/'.join(place)}: {UNTAKEN}"
             for place in self._signal_places((), self.design)
             if place not in self.drivers
         ]

@@ -97,7 +97,7 @@ class PartsOfUnknownRate:
     @property
     def aside(self) -> str:
         """Return the sentence on figures of which only some are bounds, and say so: importances, gains, suspects."""
-        return f"{self.left_out}: what is not said to be at least or at most is {self._free}"
+        return f"{self.left_out}: a figure without 'at least' or 'at most' is {self._free}"
 
     @property
     def _free(self) -> str:

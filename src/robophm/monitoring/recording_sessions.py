@@ -17,6 +17,7 @@ from robophm.core.argument_checks import path as given_path
 from robophm.core.errors import DesignError, SourceError, UnitError, nearest
 from robophm.core.signal import any_element, named, split_signal
 from robophm.core.units import conversion
+from robophm.design.build import UNTAKEN
 from robophm.design.robot import Robot
 from robophm.health.clock_jumps import CLOCK_JUMP
 from robophm.monitoring.monitor import Monitor
@@ -90,8 +91,7 @@ def sessions_of(
     its messages measure something else.
     """
     instance(robot, Robot, "robot", "a Robot, as of robophm.load", DesignError)
-    if not robot.signals:
-        raise SourceError(f"the design of {robot.name} listens to nothing; expected a signal, clock or powered binding")
+    must_listen(robot)
     sessions: list[RecordingSession] = []
     missing, topics = dict.fromkeys(robot.signals, ""), dict[str, Kind]()
     unread: list[str] = []
@@ -128,10 +128,19 @@ def living(monitor: Monitor, session: RecordingSession, *, anew: bool = True) ->
             monitor.end(session.last)
 
 
+def must_listen(robot: Robot) -> None:
+    """Raise SourceError where no signal of the design can change a figure: none is bound, or nothing takes it."""
+    if robot.signals:
+        return
+    untaken = [warning for warning in robot.warnings if UNTAKEN in warning]
+    if untaken:
+        raise SourceError(f"no signal of {robot.name} changes a figure: {untaken[0]}")
+    raise SourceError(f"the design of {robot.name} listens to nothing; expected a signal, clock or powered binding")
+
+
 def bound_signals(robot: Robot, topics: Mapping[str, Kind], *, skip_missing: bool) -> list[str]:
     """Return the bound signals of a design that a source has. Raises SourceError as ``sessions_of``."""
-    if not robot.signals:
-        raise SourceError(f"the design of {robot.name} listens to nothing; expected a signal, clock or powered binding")
+    must_listen(robot)
     missing = missing_signals(robot, topics)
     _refuse(robot, missing, topics, skip_missing=skip_missing)
     return [signal for signal in robot.signals if signal not in missing]

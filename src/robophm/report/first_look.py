@@ -8,7 +8,7 @@ from robophm.drafting.first_look import FirstLook, PartFigures
 from robophm.health.rate_sensitivity import LargestUnknown
 from robophm.health.uncertainty import Interval
 from robophm.parts import library
-from robophm.report.words import duration_text, number_text, percent_text, rate_text
+from robophm.report.words import duration_text, number_text, percent_text, rate_text, task_text
 
 _ASKED = {"mtbf": "MTBF", "mttf": "mean life", "l10": "L10", "b10": "B10", "rate": "failure rate"}
 
@@ -21,12 +21,11 @@ def figure_rows(look: FirstLook) -> list[tuple[str, str, str, str]]:
         return what, text(interval.low), text(interval.median), text(interval.high)
 
     done = Interval(fails.high, fails.median, fails.low)
-    far = f"{number_text(look.task.distance)} m in " if look.task.distance else ""
     return [
         row("hazard rate λ, over the next hour", look.ranges.hazard_rate, rate_text),
         row("median remaining life, by its rates", median, duration_text),
-        row("remaining life, chance and all", life, duration_text),
-        row(f"PoTC: {far}{duration_text(look.task.duration)}", done, lambda one: percent_text(1 - one, one)),
+        row("remaining life, with chance", life, duration_text),
+        row(f"PoTC: {task_text(look.task.distance, look.task.duration)}", done, lambda one: percent_text(1 - one, one)),
     ]
 
 

@@ -34,7 +34,15 @@ from robophm.report.style import Tone
 from robophm.report.trends import trends
 from robophm.report.wear import wear_curves, wear_table
 from robophm.report.why import reasons, sentence
-from robophm.report.words import duration_text, number_text, odds_text, percent_text, percent_texts, rate_text
+from robophm.report.words import (
+    duration_text,
+    number_text,
+    odds_text,
+    percent_text,
+    percent_texts,
+    rate_text,
+    task_text,
+)
 from robophm.stores.figures import FigureSeries
 
 PAST = ("hazard_rate", "unreliability")
@@ -142,7 +150,7 @@ def _tiles(report: HealthReport) -> Html:
             for n, f in both.items()
             if f.completion
         }
-        task = f"{number_text(report.task.distance)} m in {duration_text(report.task.duration)}"
+        task = task_text(report.task.distance, report.task.duration)
         after = system.sensor_based.completion
         what = _odds(task, after.failure if after else 0.0)
         each.append(tile("Next task completed", texts, what, tone))

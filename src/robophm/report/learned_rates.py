@@ -39,8 +39,8 @@ def contradictions(learned: Sequence[LearnedRate], more: str = "") -> Iterator[s
         if found.conflict:
             yield (
                 f"* {one.mode.path}: {_failures(found.failures)} the stated rate, by which "
-                f"{number_text(found.expected, 3)} were expected (p = {number_text(found.surprise, 2)}); of the "
-                f"{number_text(found.prior, 3)} failures that it counted as {number_text(found.left, 2)} are left"
+                f"{number_text(found.expected, 3)} were expected (p = {number_text(found.surprise, 2)}); it weighs as "
+                f"much as {number_text(found.left, 2)} failures now, instead of {number_text(found.prior, 3)}"
             )
         if one.fleet.spread and found.failures >= FEWEST_TO_DIFFER:
             mean = [number_text(one.stated * end, 3) for end in one.fleet.mean[1:]]

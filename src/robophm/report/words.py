@@ -47,6 +47,17 @@ def count_text(count: int) -> str:
     return f"{digits.rstrip('0').rstrip('.')}e{power}"
 
 
+def many_text(count: int, what: str) -> str:
+    """A number of things: "1 part", "1,200 parts"."""
+    return f"{count_text(count)} {what}{'s' * (count != 1)}"
+
+
+def task_text(distance: float, hours: float) -> str:
+    """A task by its distance [m] and duration [h]: "250 m in 10 min", or of a duration alone "1 h of work"."""
+    lasts = duration_text(hours)
+    return f"{number_text(distance)} m in {lasts}" if distance else f"{lasts} of work"
+
+
 def more_text(count: int, what: str) -> str:
     """A note on what a list leaves out: "1 more is not listed", "3 more are not listed"."""
     return f"{count_text(count)} more {'is' if count == 1 else 'are'} not {what}"

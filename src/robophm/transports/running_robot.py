@@ -223,7 +223,8 @@ def _lost_on_the_way() -> str:
     """Words on what each transport tells of best-effort messages that are lost, and on what decides how many are."""
     told = (
         "ROS 1 and Zenoh number messages, and so does rclpy with Fast DDS; over DDS packets that this machine dropped "
-        "are counted, on Linux; rosbridge, Foxglove and MQTT tell nothing"
+        "are counted, on Linux; over rosbridge and Foxglove messages of ROS 1 with a header, over MQTT those of "
+        "VDA 5050; of others nothing is told"
     )
     try:
         most = int(Path("/proc/sys/net/core/rmem_max").read_text())

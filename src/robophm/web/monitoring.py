@@ -25,6 +25,7 @@ from robophm.monitoring.alarm_watch import AlarmWatch
 from robophm.monitoring.live_loop import watch
 from robophm.monitoring.monitor import Monitor
 from robophm.monitoring.notices import Notices
+from robophm.monitoring.recording_sessions import must_listen
 from robophm.monitoring.replay import kept_ledger
 from robophm.monitoring.service_notes import note_in
 from robophm.monitoring.stored_past import unknown_robot
@@ -186,8 +187,7 @@ class Monitoring:
         with self._lock:
             if self._thread and self._thread.is_alive():
                 raise SourceError("monitoring runs already; stop it first")
-            if not robot.signals:
-                raise SourceError("the design listens to nothing; bind a sensor first")
+            must_listen(robot)
             with self._store_of(choice) as store:
                 self._shown = store if isinstance(store, MemoryStore) else None
                 ledger = self._kept(robot, store)

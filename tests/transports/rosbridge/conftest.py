@@ -31,6 +31,8 @@ class Robot:
 
         self.topics: dict[str, tuple[str, str]] = {}
         self.asked: list[dict[str, Any]] = []
+        self.publishers: dict[str, list[str]] = {}
+        """Names of the nodes that publish a topic."""
         self.rosapi = rosapi
         self._latched: dict[str, Any] = {}
         self._clients: dict[Any, dict[tuple[str, str], None]] = {}
@@ -63,6 +65,8 @@ class Robot:
                 values = {"topics": [*self.topics], "types": [type_ for type_, _ in self.topics.values()]}
                 if said["service"].endswith("raw_types"):
                     values["typedefs_full_text"] = [text for _, text in self.topics.values()]
+        if self.rosapi and said["service"] == "/rosapi/publishers":
+            known, values = True, {"publishers": self.publishers[said["args"]["topic"]]}
         told = {"op": "service_response", "id": said["id"], "service": said["service"], "values": values}
         client.send(json.dumps({**told, "result": bool(known)}))
 

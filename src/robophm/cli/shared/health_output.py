@@ -28,6 +28,7 @@ from robophm.report.words import (
     probability_text,
     rate_text,
     share_text,
+    task_text,
 )
 
 COURSE = "λ sensor, recent"
@@ -92,7 +93,7 @@ def print_report(report: HealthReport, unit: str) -> None:
     if system.remaining_life:
         print_life(report, system.remaining_life)
     if report.task and system.completion:
-        task = f"{number_text(report.task.distance)} m in {duration_text(report.task.duration)}"
+        task = task_text(report.task.distance, report.task.duration)
         chance = probability_text(system.completion.probability, system.completion.failure)
         out.print(
             f"Next task ({task}): completed with {left_out.said_ahead(chance) if left_out else chance}", markup=False

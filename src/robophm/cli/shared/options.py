@@ -64,7 +64,10 @@ def stated_store(address: str | None) -> str | None:
 
 
 Store = Annotated[
-    str | None, typer.Option("--store", help="store with the robot's past, written by replay", callback=stated_store)
+    str | None,
+    typer.Option(
+        "--store", help="store with the robot's past, as replay, watch and serve keep it", callback=stated_store
+    ),
 ]
 Notify = Annotated[
     list[str] | None,
@@ -82,7 +85,10 @@ GrowingStore = Annotated[
     ),
 ]
 StoreOfRobot = Annotated[
-    str, typer.Option("--store", help="store with the robot's past, written by replay or watch", callback=stated_store)
+    str,
+    typer.Option(
+        "--store", help="store with the robot's past, as replay, watch and serve keep it", callback=stated_store
+    ),
 ]
 SkipMissing = Annotated[
     bool,

@@ -19,7 +19,7 @@ from robophm.health.report import HealthReport
 from robophm.health.unknown_rates import marked, marks
 from robophm.report.alarms import alarm_text
 from robophm.report.wear import ranked
-from robophm.report.words import duration_text, number_text, probability_text, rate_text
+from robophm.report.words import probability_text, rate_text, task_text
 from robophm.transports.signals.report_sink import JudgedTask, ReportSink
 
 _DRAWING = threading.Lock()
@@ -108,7 +108,7 @@ class Lines(ReportSink):
 def _task_text(task: JudgedTask) -> str:
     what = {"succeeded": "done"}.get(task.outcome, task.outcome) if task.done else "arrived"
     chance = task.completion["sensor_based"]
-    length = f"{number_text(task.distance)} m in {duration_text(task.duration)}"
+    length = task_text(task.distance, task.duration)
     said = probability_text(chance.probability, chance.failure)
     if left_out := task.unknown:
         said = f"{left_out.said_ahead(said)} ({left_out.left_out})"

@@ -20,7 +20,7 @@ def spread_text(spread: tuple[float, float, float]) -> str:
     """A clause on how much the rates of robots differ, from three quantiles of their coefficient of variation."""
     low, usual, high = (f"{100 * part:.0f}" for part in spread)
     if spread[0] < SHOWN:
-        return f"whether robots differ is not told: by {low} … {high} %"
+        return f"the field does not tell whether robots differ: by {low} … {high} %"
     return f"robots differ by {usual} % ({low} … {high} %)"
 
 

@@ -23,8 +23,8 @@ from robophm.transports.foxglove.protocol import (
 )
 from robophm.transports.live.decoding import TopicDecoder
 from robophm.transports.live.pushed import Pushed
-from robophm.transports.live.receiving import QUEUE, TICK
-from robophm.transports.live.served import ServedSource, Subscriptions
+from robophm.transports.live.receiving import CLOCK_TOPIC, QUEUE, TICK
+from robophm.transports.live.served import ServedSource, Subscriptions, uncounted
 from robophm.transports.signals.incidents import TypeRefusedError
 from robophm.transports.signals.message_type import numeric_fields
 from robophm.transports.signals.source import TopicInfo
@@ -181,6 +181,8 @@ class _Listening(Subscriptions[Channel]):
             self._refuse(channel.topic, error.kind, error)
             return
         self._begin(channel.topic, channel.identity)
+        if channel.topic != CLOCK_TOPIC and not decoder.numbered:
+            self._notes.once(f"{uncounted(SERVER)}: the protocol has no numbers, these messages no header.seq")
         number = next(self._numbers)
         self._decoders[number] = decoder
         self._subscribed[channel.id] = number

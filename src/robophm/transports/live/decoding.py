@@ -53,7 +53,8 @@ class TopicDecoder:
         self.identity = identity
         """The md5 sum or hash of the type, by which it is known when it changes."""
         names = {part[0] for part in self.type.definitions[HEADER][1]} if HEADER in self.type.definitions else set()
-        self._numbered = bool(self.type.stamp) and "seq" in names
+        self.numbered = bool(self.type.stamp) and "seq" in names
+        """Whether its messages have a header.seq, as in ROS 1."""
         self._getters = []
         self._namers = []
         self._elements: dict[str, tuple[str, Element | None]] = {}
@@ -75,7 +76,7 @@ class TopicDecoder:
 
     def _compiled(self) -> Program | None:
         fields = [split_signal(signal)[1] for signal, _ in self._getters]
-        fields += [_SECONDS, _NANOSECONDS] * bool(self.type.stamp) + [_SEQUENCE] * self._numbered
+        fields += [_SECONDS, _NANOSECONDS] * bool(self.type.stamp) + [_SEQUENCE] * self.numbered
         slots = list(dict.fromkeys(fields))
         self._places = [(signal, slots.index(field)) for (signal, _), field in zip(self._getters, fields, strict=False)]
         self._seconds, self._nanoseconds, self._sequence = (
@@ -103,7 +104,7 @@ class TopicDecoder:
         stamp, sequence = 0, None
         if self.type.stamp:
             stamp = int(found[self._seconds]) * SECOND + int(found[self._nanoseconds])
-            if self._numbered:
+            if self.numbered:
                 sequence = int(found[self._sequence])
         places, missing = self._places, []
         if absent:
@@ -117,7 +118,7 @@ class TopicDecoder:
         if self.type.stamp:
             seconds, nanoseconds = self.type.stamp(message)
             stamp = seconds * SECOND + nanoseconds
-            if self._numbered:
+            if self.numbered:
                 sequence = message.header.seq
         values, absent, found, unnamed, at_index = [], [], [], [], []
         for signal, value_of in self._getters:

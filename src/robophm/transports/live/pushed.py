@@ -35,6 +35,13 @@ class Pushed(threading.Thread):
                 self._before[decoder] = self.hearing.messages(decoder, [raw], self._before.get(decoder))
                 self._served()
 
+    def missed(self, topic: str, why: str, count: int) -> None:
+        """Take it that so many messages on a topic were missed; from any thread."""
+        with self._lock:
+            if not self._over.is_set():
+                self.hearing.missing(topic, why, count)
+                self._served()
+
     def lost(self, decoders: Iterable[Decoder]) -> None:
         """Take it that from now on messages are missed that these decoders would have read."""
         with self._lock:

@@ -25,6 +25,11 @@ from robophm.transports.signals.incidents import Incidents
 from robophm.transports.signals.source import LiveItem
 
 
+def uncounted(server: Server) -> str:
+    """Return the beginning of a note that nobody can tell what is lost between a robot and its server."""
+    return f"messages lost before the {server.words} are not counted"
+
+
 class Announced(Protocol):
     """Something that a server has announced, on one topic."""
 

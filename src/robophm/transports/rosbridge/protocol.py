@@ -75,12 +75,24 @@ def topics_of(values: Any) -> dict[str, Topic] | None:
 class JsonTopic(TopicDecoder):
     """Reads messages of one topic out of the operations that carry them.
 
-    Their ``header.seq`` counts nothing: it is of any of the topic's publishers, between whom the server does not tell.
+    Their ``header.seq``, which ROS 1 has, is of any of the topic's publishers, between whom the server does not tell.
+    So it alone counts nothing: ``gaps`` are losses where there is one publisher.
     """
+
+    def __init__(self, topic: str, type_: MessageType, signals: Collection[str], identity: str) -> None:
+        super().__init__(topic, type_, signals, identity)
+        self.gaps = 0
+        """Numbers that were left out so far."""
+        self._before: int | None = None
 
     def read(self, raw: bytes, *, whole: bool) -> Numbers:
         """Return the numbers of one message. Raises as ``TopicDecoder.read``."""
-        return super().read(raw, whole=whole)._replace(sequence=None)
+        numbers = super().read(raw, whole=whole)
+        if numbers.sequence is not None:
+            if self._before is not None and numbers.sequence > self._before:
+                self.gaps += numbers.sequence - self._before - 1
+            self._before = numbers.sequence
+        return numbers._replace(sequence=None)
 
 
 def decoder(topic: Topic, signals: Collection[str]) -> JsonTopic:

@@ -11,8 +11,8 @@ from typing import Any, Literal, Protocol
 
 from robophm.core.errors import SourceError
 from robophm.transports.live.pushed import Pushed
-from robophm.transports.live.receiving import QUEUE, TICK
-from robophm.transports.live.served import ServedSource, Subscriptions
+from robophm.transports.live.receiving import CLOCK_TOPIC, QUEUE, TICK
+from robophm.transports.live.served import ServedSource, Subscriptions, uncounted
 from robophm.transports.rosbridge.protocol import (
     SERVER,
     JsonTopic,
@@ -32,6 +32,9 @@ LOOK_EVERY = 1.0
 
 ANSWER_SECONDS = 10.0
 """Seconds within which rosapi answers: it looks for the definition of each type."""
+
+UNCOUNTED = uncounted(SERVER)
+"""The beginning of a note on losses that nobody can tell of."""
 
 MOST_STATUSES, LONGEST_STATUS = 20, 200
 """Different warnings of the server that are told in its words, and characters of one."""
@@ -59,8 +62,9 @@ class Rosbridge(ServedSource[Topic]):
     endless: it goes on through a server that is lost and topics that come and go, until ``close``, which may come from
     any thread. A sample's time is its header's stamp, or its receipt where that is zero or 10 s off; where there is
     /clock, receipt is its time. Clock samples come at multiples of ``period`` [s], and at least twice a second.
-    ``notes`` counts what was dropped, refused, unreadable, and made anew; what is lost on the way to the server nothing
-    tells. A number that JSON cannot say, infinite or none, is NaN.
+    ``notes`` counts what was dropped, refused, unreadable, and made anew. What is lost on the way to the server is
+    counted where ROS 1 numbers messages and a topic has one publisher; elsewhere it says that it is not. A number that
+    JSON cannot say, infinite or none, is NaN.
 
     Raises SourceError where there is no such server.
     """
@@ -136,6 +140,17 @@ class Rosbridge(ServedSource[Topic]):
                 for topic in topics.values():
                     listening.take_in(topic)
 
+    def gaps(self) -> list[tuple[JsonTopic, int]]:
+        """Return how many numbers were left out on topics since it was last settled whether these are losses."""
+        with self._lock:
+            return self._listening.gaps() if self._listening else []
+
+    def settle_gap(self, decoder: JsonTopic, count: int, *, alone: bool) -> None:
+        """Take it that these numbers are losses, or where not one publisher is ``alone`` that nobody can tell."""
+        with self._lock:
+            if self._listening:
+                self._listening.settle_gap(decoder, count, alone=alone)
+
     def topics(self) -> list[TopicInfo]:
         """Return the topics there are now; their messages and times are counted since they are listened to.
 
@@ -191,6 +206,7 @@ class _Lookout(threading.Thread):
         while not self._over.is_set():
             self._look()
             self._looked.set()
+            self._settle_gaps()
             self._due.wait(LOOK_EVERY)
             self._due.clear()
 
@@ -208,10 +224,17 @@ class _Lookout(threading.Thread):
             self._listed, self._failure = listed, ""
             self._source.seen(topics)
 
-    def _asked(self, service: str) -> Any:
+    def _settle_gaps(self) -> None:
+        """Count the numbers that were left out as lost, where they are those of one publisher."""
+        for decoder_, count_ in self._source.gaps():
+            told = self._asked("/rosapi/publishers", topic=decoder_.topic)
+            publishers = told.get("publishers") if isinstance(told, dict) else None
+            self._source.settle_gap(decoder_, count_, alone=isinstance(publishers, list) and len(publishers) == 1)
+
+    def _asked(self, service: str, **args: str) -> Any:
         """What a service answers; None where it does not, or cannot."""
         number = f"robophm {next(self._numbers)}"
-        if not self._source.connection.send(text("call_service", id=number, service=service)):
+        if not self._source.connection.send(text("call_service", id=number, service=service, args=args)):
             return None
         end = time.monotonic() + ANSWER_SECONDS
         try:
@@ -258,6 +281,21 @@ class _Listening(Subscriptions[Topic]):
         self._id = f"robophm listening {next(self._numbers)}"
         self._decoders: dict[str, JsonTopic] = {}
         self._refused: set[Topic] = set()
+        self._settled: dict[JsonTopic, int] = {}
+        """The numbers left out of which it is settled whether they are losses."""
+
+    def gaps(self) -> list[tuple[JsonTopic, int]]:
+        """Return how many numbers were left out on topics, where it is not settled whether these are losses."""
+        open_ = ((one, one.gaps - self._settled.get(one, 0)) for one in self._decoders.values())
+        return [(one, count_) for one, count_ in open_ if count_]
+
+    def settle_gap(self, decoder: JsonTopic, count: int, *, alone: bool) -> None:
+        """Settle whether so many numbers that were left out are losses."""
+        self._settled[decoder] = self._settled.get(decoder, 0) + count
+        if alone:
+            self.pushed.missed(decoder.topic, "sequence gap", count)
+        else:
+            self._notes.add(f"{UNCOUNTED} on {decoder.topic}: its publishers are several, or unknown")
 
     def take_in(self, topic: Topic) -> None:
         """Subscribe a topic, where it is wanted and can be read."""
@@ -273,6 +311,8 @@ class _Listening(Subscriptions[Topic]):
             return
         self._begin(name, topic.type)
         self._decoders[name] = decoder_
+        if name != CLOCK_TOPIC and not decoder_.numbered:
+            self._notes.once(f"{UNCOUNTED}: the protocol has no numbers, these messages no header.seq")
         self._source.connection.send(text("subscribe", id=self._id, topic=name, type=topic.type))
 
     def hear(self, topic: Any, raw: bytes) -> None:
@@ -294,6 +334,8 @@ class _Listening(Subscriptions[Topic]):
     def close(self) -> None:
         """Subscribe no longer; twice does no harm."""
         names = list(self._decoders)
+        for decoder_, count_ in self.gaps():  # nobody is asked any more
+            self.settle_gap(decoder_, count_, alone=False)
         self._decoders.clear()
         self._unsubscribe(names)
         self.pushed.close()

@@ -45,6 +45,11 @@ class Incidents(Counter[str]):
         with self.lock:
             self[text if text in self or len(self) < MOST_KINDS else OTHER_KINDS] += count
 
+    def once(self, text: str) -> None:
+        """Count once, and no more."""
+        if text not in self:
+            self.add(text)
+
     def copy(self) -> Counter[str]:  # type: ignore[override]
         """Return the counts so far, as a plain Counter."""
         with self.lock:

@@ -41,7 +41,7 @@ export function Cards({ health }: { health: Health }): ReactNode {
         ...limit("remaining_life", durationText),
       ]} />
       {health.task && (
-        <Figure trends={trends} card="completion" text={(failed) => marked(left, "ahead", percentText(1 - failed, failed))} tone={tone} name={`Task of ${numberText(health.task.distance)} m in ${durationText(health.task.duration)}, completed`} value={marked(left, "ahead", percentText(lived.completion, lived.completion_failure, nominal.completion_failure))} rows={[
+        <Figure trends={trends} card="completion" text={(failed) => marked(left, "ahead", percentText(1 - failed, failed))} tone={tone} name={`Task of ${health.task.distance ? `${numberText(health.task.distance)} m in ` : ""}${durationText(health.task.duration)}, completed`} value={marked(left, "ahead", percentText(lived.completion, lived.completion_failure, nominal.completion_failure))} rows={[
           ["nominal", chanceWords({ probability: nominal.completion ?? null, failure: nominal.completion_failure ?? null }, left)],
           [left?.ahead === "at most" ? "fails at least" : "fails", oddsText(lived.completion_failure) || "–"],
           ...limit("completion", percentText),
