@@ -12,7 +12,10 @@ from tests.cases import each_case
 from ..cli.conftest import run_inside
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = sorted([*ROOT.glob("docs/concepts/*.md"), *ROOT.glob("docs/start/*.md"), *ROOT.glob("docs/*.md")])
+GUIDES = [page for page in ROOT.glob("docs/guides/*.md") if 'title="' in page.read_text(encoding="utf-8")]
+"""Those that state the files that their commands need."""
+
+PAGES = sorted([*ROOT.glob("docs/concepts/*.md"), *ROOT.glob("docs/start/*.md"), *ROOT.glob("docs/*.md"), *GUIDES])
 RUN = [page for page in PAGES if "```console" in page.read_text(encoding="utf-8")]
 
 
