@@ -196,6 +196,28 @@ def test_what_a_person_has_served_since_is_not_struck_out() -> None:
         take_note(ROBOT, ledger, ServiceNote("lidar", none=True))
 
 
+def test_modes_of_unknown_rate_and_beside_others_fail_and_are_learned_of() -> None:
+    """A part fails by one of its modes alone: while it is down the other tells nothing new."""
+    robot = parse(
+        HEAD + "components:\n"
+        "  Power: {rate: unknown, failed_when: [{log: /power}]}\n"
+        "  arm:\n    identity: an arm\n    failure_modes:\n"
+        "      gear: {rate: 0.01 /h, failed_when: [{topic: /arm, field: state, values: [1], works: [0]}]}\n"
+        "      motor: {rate: 0.01 /h, failed_when: [{topic: /arm, field: state, values: [2], works: [0]}]}\n"
+    )
+    states = [(100, 1), (200, 2), (300, 0), (400, 2), (500, 1), (600, 0)]
+    ledger = lived(
+        [*ticks(1), at(50, "/rosout.level[/power]", ERROR), *(at(t, "/arm.state", v) for t, v in states)], robot
+    )
+    paths = {mode.key: mode.path for mode in robot.modes}
+    assert [(paths[one.mode], one.kind) for one in ledger.services] == [
+        ("Power", "failed"), ("arm/gear", "failed"), ("arm/gear", "repaired"), ("arm/motor", "failed"),
+        ("arm/motor", "repaired"),
+    ]  # fmt: skip
+    failed = {one.mode.path: one.failures for one in rate_history(robot, ledger, "R")}
+    assert failed == {"Power": 1, "arm/gear": 1, "arm/motor": 1}
+
+
 def test_flapping_is_bounded_and_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(told_failures, "MOST_TOLD", 10)
     flaps = [at(n, LIFECYCLE, ERROR_PROCESSING if n % 2 else ACTIVE) for n in range(1, 3000)]
@@ -276,6 +298,8 @@ def test_silence_is_told_alike_in_blocks_and_after_restarts() -> None:
         ("failed_when: [{log: 'no node'}]", "failed_when"),
         ("failed_when: [{log: /a, level: warn}]", "error"),
         ("failed_when: []", "failed_when"),
+        ("failed_when: [{log: /a, words: 'no\u200bdata'}]", "expected one line"),
+        (f"failed_when: [{{topic: /{'a' * 1000}, field: b, values: [1]}}]", "expected one line"),
         ("quantity: 2, failed_when: [{log: /a}]", "which of 2 is not said"),
         ("wear: {topic: /w, field: x, threshold: 3}, failed_when: [{lifecycle: /a}]", "in failure modes of their own"),
         ("failed_when: [{lgo: /a}]", "log"),

@@ -14,6 +14,9 @@ LEVELS = {"error": (8.0, 16.0, 40.0, 50.0), "fatal": (16.0, 50.0)}
 ERROR_PROCESSING, ACTIVE = 15.0, 3.0
 """States of lifecycle_msgs/State. Finalized is none of them: it follows ErrorProcessing, or an orderly shutdown."""
 
+MOST_SAID = 1000
+"""Letters of what a ledger notes of who tells of a failure, at most."""
+
 
 def build_told_failures(place: Path, mode: schema.FailureMode, quantity: int) -> tuple[ToldFailure, ...]:
     """Build what tells of failures of one failure mode. Raises LocatedError where it contradicts the rest."""
@@ -23,6 +26,11 @@ def build_told_failures(place: Path, mode: schema.FailureMode, quantity: int) ->
             place, f"says that one part failed, but which of {quantity} is not said; expected components of their own"
         )
     built = tuple(_told((*place, str(i)), one) for i, one in enumerate(said))
+    for i, one in enumerate(built):
+        if len(one.said) > MOST_SAID or not one.said.isprintable():
+            raise LocatedError(
+                (*place, str(i)), f"{one.said!r:.60}: expected one line of at most {MOST_SAID} letters, as it is noted"
+            )
     if mode.wear and any(one.works or one.silent for one in built):
         raise LocatedError(
             place, "says that the part works again, and its wear would begin anew then; expected wear and failed_when "
