@@ -1,11 +1,11 @@
-"""Load of a fleet's service: ``python -m benchmarks.fleet_load [--robots 300] [--seconds 60] [--postgresql]``.
+"""Load of a fleet's service: ``python -m benchmarks.fleet_load [--robots 300 …] [--seconds 60] [--postgresql]``.
 
 Each robot sends a report a minute over a connection of its own, evenly spread, whole report and ledger with every tenth
 (``--whole-every``); the service is a process of its own with its store on this disk. The figures are those of a few
 robots that really fail, as ``robophm fleet simulate`` makes them, each told under many names. Tells how many reports
-were taken in a second, how late each was on the disk (lag), what processor and memory the service took, and how long
-the worst twenty take to be asked for. Exits with 1 where a report is missing, or the lag's 99th percentile is above a
-minute.
+were taken in a second, how late each was on the disk (lag), what processor and memory the service took, how long the
+worst twenty take to be asked for, and how much the store grows. Exits with 1 where a report is missing, or the lag's
+99th percentile is above a minute.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 from tests.fleet.postgresql_server import running
 
@@ -35,6 +36,8 @@ from robophm.stores.outbox import Batch, Present, Waiting, report_values
 
 DESIGN = Path(__file__).parents[1] / "examples" / "fleet" / "robot.yaml"
 EPOCH = "a" * 16
+FULL = 400
+"""Reports of which a store's size says something: fewer are in pages that are hardly filled."""
 AT_ONCE = 128
 """Robots that send at the same time, at most: those beyond it are late."""
 
@@ -116,26 +119,39 @@ def of_database(process: int | None) -> tuple[float, float]:
     return sum(used(one)[0] for one in all_of_it), memory / 1024
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.fleet_load", description=__doc__)
-    parser.add_argument("--robots", type=int, default=300)
-    parser.add_argument("--seconds", type=float, default=60.0)
-    parser.add_argument("--whole-every", type=int, default=10)
-    parser.add_argument("--postgresql", action="store_true")
-    asked = parser.parse_args()
-    few = [*itertools.islice(simulated_robots(DESIGN, 8, 10, 1, 3600.0 * 4, time.time_ns()), 8)]
+class Measured(NamedTuple):
+    """What was seen of one load."""
+
+    robots: int
+    rate: float
+    """Reports that came, a second."""
+    taken: float
+    """Reports that were taken, a second."""
+    lags: list[float]
+    """How late each was answered [s], ascending."""
+    service: tuple[float, float]
+    """Processor a report [ms] and peak of memory [MB] of the service."""
+    database: tuple[float, float] | None
+    worst: float
+    """Time that the worst twenty take to be asked for [s]."""
+    missing: int
+    bytes_each: float
+    """Size of a report in the store with its index [bytes]."""
+
+
+def measured(few: list[SimulatedRobot], robots: int, asked: argparse.Namespace) -> Measured:
     with (
         tempfile.TemporaryDirectory() as folder,
         store_address(Path(folder), postgresql=asked.postgresql) as (address, base),
     ):
-        names = [f"r{at}" for at in range(asked.robots)]
+        names = [f"r{at}" for at in range(robots)]
         with FleetStore(address, make=True) as store:
             tokens = dict(zip(names, store.add_tokens(names), strict=True))
         words = [sys.executable, "-m", "robophm", "fleet", "serve", "--store", address, "--port", "0"]
         with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as service:
             assert service.stdout
             port = int(re.findall(r":(\d+)/", service.stdout.readline())[0])
-            rate, before, idle = asked.robots / 60, used(service.pid)[0], of_database(base)[0]
+            rate, before, idle = robots / 60, used(service.pid)[0], of_database(base)[0]
             count = round(rate * asked.seconds)
             begun = time.monotonic()
             lags = sorted(asyncio.run(sent(port, Load(few, tokens, asked.whole_every), rate, count)))
@@ -144,21 +160,43 @@ def main() -> int:
             service.send_signal(signal.SIGINT)
         with FleetStore(address) as store:
             ((there,),) = store.rows("SELECT count(*) FROM report")
+            size = "SELECT pg_total_relation_size('robophm_fleet.report')" if base else (
+                "SELECT sum(pgsize) FROM dbstat WHERE name = 'report'")  # fmt: skip
+            ((size_of_all,),) = store.rows(size)
             times = []
             for _ in range(20):
                 begun = time.perf_counter()
                 worst(store, 168.0, 20)
                 times.append(time.perf_counter() - begun)
-    p99 = lags[int(len(lags) * 0.99)]
-    print(
-        f"{asked.robots} robots, {count} reports in {took:.1f} s ({count / took:.0f} a second of {rate:.0f} that came)"
-    )
-    print(f"lag: median {statistics.median(lags):.2f} s, 99 % {p99:.2f} s, longest {lags[-1]:.2f} s")
-    print(f"service: {1000 * (seconds - before) / count:.2f} ms of a processor a report, {memory:.0f} MB at its peak")
-    if base:
-        print(f"database: {1000 * (busy - idle) / count:.2f} ms of a processor a report, {held:.0f} MB")
-    print(f"worst 20 of {asked.robots}: {1000 * statistics.median(times):.1f} ms; missing: {count - there}")
-    return int(there != count or p99 > 60)
+    return Measured(robots, rate, count / took, lags, (1000 * (seconds - before) / count, memory),
+                    (1000 * (busy - idle) / count, held) if base else None, statistics.median(times), count - there,
+                    size_of_all / there)  # fmt: skip
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.fleet_load", description=__doc__)
+    parser.add_argument("--robots", type=int, nargs="+", default=[300], help="several are measured one after another")
+    parser.add_argument("--seconds", type=float, default=60.0)
+    parser.add_argument("--whole-every", type=int, default=10)
+    parser.add_argument("--postgresql", action="store_true")
+    asked = parser.parse_args()
+    few = [*itertools.islice(simulated_robots(DESIGN, 8, 10, 1, 3600.0 * 4, time.time_ns()), 8)]
+    found = []
+    for robots in asked.robots:
+        found.append(one := measured(few, robots, asked))
+        print(f"{robots} robots: {one.taken:.1f} reports a second of {one.rate:.1f} that came; missing: {one.missing}")
+        print(f"lag: median {statistics.median(one.lags):.2f} s, 99 % {p99(one):.2f} s, longest {one.lags[-1]:.2f} s")
+        print(f"service: {one.service[0]:.2f} ms of a processor a report, {one.service[1]:.0f} MB at its peak")
+        if one.database:
+            print(f"database: {one.database[0]:.2f} ms of a processor a report, {one.database[1]:.0f} MB")
+        if robots * asked.seconds >= 60 * FULL:
+            print(f"store: {one.bytes_each:.0f} bytes a report, {one.bytes_each * robots * 1440 / 1e6:.0f} MB a day")
+        print(f"worst 20: {1000 * one.worst:.1f} ms\n", flush=True)
+    return int(any(one.missing or p99(one) > 60 for one in found))
+
+
+def p99(one: Measured) -> float:
+    return one.lags[int(len(one.lags) * 0.99)]
 
 
 if __name__ == "__main__":
