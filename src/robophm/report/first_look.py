@@ -23,8 +23,8 @@ def figure_rows(look: FirstLook) -> list[tuple[str, str, str, str]]:
     done = Interval(fails.high, fails.median, fails.low)
     return [
         row("hazard rate λ, over the next hour", look.ranges.hazard_rate, rate_text),
-        row("median remaining life, by its rates", median, duration_text),
-        row("remaining life, with chance", life, duration_text),
+        row("remaining life: the median", median, duration_text),
+        row("remaining life: of one robot", life, duration_text),
         row(f"PoTC: {task_text(look.task.distance, look.task.duration)}", done, lambda one: percent_text(1 - one, one)),
     ]
 

@@ -57,7 +57,7 @@ def print_look(look: FirstLook) -> None:
     out = console()
     lived = f"after {duration_text(look.lived)} of recorded operation" if look.report else "as designed, new"
     rows = figure_rows(look)
-    print_table(out, table(f"{look.robot.name}, {lived}", ("", "5 %", "middle", "95 %"), rows, figures=(1, 2, 3)))
+    print_table(out, table(f"{look.robot.name}, {lived}", ("", "5 %", "50 %", "95 %"), rows, figures=(1, 2, 3)))
     said = list(advice(look))
     if said:
         out.print("What it would help most to know:", style="bold")

@@ -6,7 +6,7 @@ import { Table } from "../../parts/Table";
 /** Parts of a robot above which ranges, which take seconds then, are computed when they are asked for. */
 const MANY = 120;
 
-const QUANTILES = ["5 %", "middle", "95 %"];
+const QUANTILES = ["5 %", "50 %", "95 %"];
 
 /** What the figures may be while rates are not exactly known, and whom to ask for what; nothing where all are exact. */
 export function Ranges(): ReactNode {
