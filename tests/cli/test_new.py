@@ -30,7 +30,7 @@ def test_it_writes_a_design_its_assumptions_and_its_tasks_and_says_ranges(inside
     assert robot.usage.operating == pytest.approx(16 / 24)
     assert "Which battery does it have" in (tmp_path / "assumptions.md").read_text()
     assert "as seen in arm.mcap" in (tmp_path / "tasks.yaml").read_text()
-    for said in ("5 %", "95 %", "hazard rate", "median remaining life", "PoTC", "ask the maker of the"):
+    for said in ("5 %", "95 %", "hazard rate", "remaining life: the median", "PoTC", "ask the maker of the"):
         assert said in done.stdout
     assert inside("check", "robot.yaml").stdout.endswith("12 signals, 0 warnings\n")
     assert inside("task", "robot.yaml", "tasks.yaml").returncode == 0
