@@ -32,6 +32,7 @@ from robophm.fleet.history_files import (
     files_in,
     folders,
     month_of,
+    of_robot,
     parquet,
 )  # fmt: skip
 
@@ -110,12 +111,9 @@ def _join(folder: Path, month: str, days: Sequence[Path]) -> int:
         place = made / design
         place.mkdir(parents=True)
         told = [path for day in days for path in files_in(day) if path.parent.name == design]
-        _write(told, place)
-        written = [*place.iterdir()]
-        size += sum(path.stat().st_size for path in written)
-        for (robot, one), (other, same) in zip(_robots(told), _robots(written), strict=True):
-            if robot != other or not one.equals(same):
-                raise RobophmError(f"{place}: what was written of {robot} is not what was read; expected a sound disk")
+        count = _write(told, place)
+        size += sum(path.stat().st_size for path in place.iterdir())
+        _compare(told, place, count)
         sync_folder(place)
     for one in (made, made.parent):
         sync_folder(one)
@@ -126,10 +124,9 @@ def _join(folder: Path, month: str, days: Sequence[Path]) -> int:
     return size
 
 
-def _write(told: Sequence[Path], place: Path) -> None:
-    """Write what is in files into as few as there should be, robot by robot."""
-    rows = sum(parquet().read_metadata(path).num_rows for path in told)
-    count = min(-(-rows // IN_A_FILE), MOST_FILES)
+def _write(told: Sequence[Path], place: Path) -> int:
+    """Write what is in files into as few as there should be, robot by robot; return how many that is."""
+    count = min(-(-_rows(told) // IN_A_FILE), MOST_FILES)
     with ExitStack() as stack:
         files: dict[int, ReportsFile] = {}
         for robot, table in _robots(told):
@@ -137,6 +134,20 @@ def _write(told: Sequence[Path], place: Path) -> None:
             if at not in files:
                 files[at] = stack.enter_context(ReportsFile(place / file_name(at, count), LEVEL))
             files[at].append(table)
+    return count
+
+
+def _compare(told: Sequence[Path], place: Path, count: int) -> None:
+    """Raise RobophmError where a robot's reports are not in its file as they were, or there are others."""
+    same = _rows(told) == _rows([*place.iterdir()])
+    for robot, table in _robots(told):
+        found = of_robot(place / file_name(file_of(robot, count), count), robot)
+        if not same or not found.equals(table.select(found.column_names)):
+            raise RobophmError(f"{place}: what was written of {robot} is not what was read; expected a sound disk")
+
+
+def _rows(paths: Sequence[Path]) -> int:
+    return sum(parquet().read_metadata(path).num_rows for path in paths)
 
 
 def _robots(paths: Sequence[Path]) -> Iterator[tuple[str, Any]]:

@@ -159,6 +159,8 @@ class ReportsFile:
         if sum(map(len, self._waiting)) + len(table) > AT_ONCE:
             self._flush()
         self._waiting.append(table)
+        if len(table) >= AT_ONCE:  # many files may be open
+            self._flush()
 
     def _flush(self) -> None:
         if self._waiting:
