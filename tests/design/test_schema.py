@@ -199,6 +199,7 @@ components:
       - {log: /lidar, level: fatal, words: no data}
       - {lifecycle: /lidar}
       - {topic: /lidar/status, field: fault, values: [1], works: [0]}
+      - {topic: /scan, field: range_min, silent: 10 s}
     clocks: {starts: {topic: /lidar/transition_event, edge: goal_state.id, becomes: 3}}
   Wheel: {rate: 5 FIT, quantity: 2}
   Axle: {rate: 5 FIT, quantity: 2}

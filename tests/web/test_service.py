@@ -112,7 +112,7 @@ def test_what_is_infinite_is_not_what_does_not_apply(small):
         assert motor["reduction"] == wanted
     said = small.get("/api/analysis/importance", hours=1000)["unknown"]
     assert said["failing"] == "at least"
-    assert "1 part of unknown rate is left out of the totals: what is not said to be" in said["sentence"]
+    assert "1 part of unknown rate is left out of the totals: a figure without 'at least'" in said["sentence"]
     assert "a probability of failing is at least" in small.get("/api/analysis/cut-sets")["unknown"]
 
 

@@ -25,6 +25,7 @@ from robophm.cli.shared.live_table import LiveTable, SeveralTable
 from robophm.cli.shared.options import Design, GrowingStore, Json, Notify, Unit, Via
 from robophm.cli.shared.output import console, may_write, print_json, warn
 from robophm.cli.shared.ros_words import Words
+from robophm.cli.shared.running_parameters import running_parameters
 from robophm.cli.shared.several_robots import file_of_robot, side_by_side
 from robophm.cli.shared.stored_past import files_of
 from robophm.cli.shared.task_words import stated_speed
@@ -48,7 +49,15 @@ from robophm.stores import open_store
 from robophm.stores.alarm_log import AlarmsInMemory
 from robophm.stores.one_of_several import BETWEEN
 from robophm.stores.store import Store
-from robophm.transports.health_topics import HealthRecording, HealthTopics, Outlet, PartReports, TaskService
+from robophm.transports.health_topics import (
+    HealthRecording,
+    HealthTopics,
+    Outlet,
+    ParameterServices,
+    PartReports,
+    TaskService,
+)
+from robophm.transports.health_topics.sink import COMPLETION_NODE
 from robophm.transports.live.one_robot import OneRobot, namespace_of
 from robophm.transports.live.ros_names import Remapped, RosNames, names_of
 from robophm.transports.live.shared_source import robots_of
@@ -337,7 +346,11 @@ def _to_ros(robot: Robot, opened: RunningRobot, asked: Watched) -> tuple[HealthT
     outlet = Outlet(opened.generation, opened.node, opened.publisher, opened.server, whole=asked.names.of)
     topics = HealthTopics(robot, outlet, namespace=asked.namespace, frame=asked.frame)
     assessor = TaskAssessor(robot)
-    unserved = [TaskService(outlet, assessor, asked.namespace).unknown]
+    tasks = TaskService(outlet, assessor, asked.namespace)
+    unserved = [tasks.unknown]
+    if opened.has_parameters:
+        node = f"{asked.namespace.rstrip('/')}/{COMPLETION_NODE}"
+        unserved.append(ParameterServices(outlet, node, running_parameters(topics, assessor, tasks)).unknown)
     if asked.reports and opened.server:
         note = partial(note_service, asked.store or "", robot)
         unserved.append(PartReports(outlet, robot, lambda said, key: note(said, key=key), asked.namespace).unknown)

@@ -37,7 +37,7 @@ UNTAKEN = (
     "no part below takes this input: a rate by itself is the same under any stress; expected an `acceleration` beside "
     "it, a hazard model or a part of the library"
 )
-"""What is said of a signal that changes no figure."""
+"""A warning on a signal that changes no figure."""
 
 MOST_DRAWN = 1_000_000
 """Parts in a diagram when all modules, and all that they depend on, are drawn in their places."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from robophm.core.errors import RobophmError
-from robophm.core.signal import signal_name
+from robophm.core.signal import SECOND, signal_name
 from robophm.design import schema
 from robophm.design.located_error import LocatedError, Path
 from robophm.design.told_failure import ToldFailure
@@ -23,7 +23,7 @@ def build_told_failures(place: Path, mode: schema.FailureMode, quantity: int) ->
             place, f"says that one part failed, but which of {quantity} is not said; expected components of their own"
         )
     built = tuple(_told((*place, str(i)), one) for i, one in enumerate(said))
-    if mode.wear and any(one.works for one in built):
+    if mode.wear and any(one.works or one.silent for one in built):
         raise LocatedError(
             place, "says that the part works again, and its wear would begin anew then; expected wear and failed_when "
             "in failure modes of their own",
@@ -37,11 +37,13 @@ def _told(place: Path, said: schema.ToldFailure) -> ToldFailure:
             node = f"/{said.log.removeprefix('/')}"
             signal = signal_name("/rosout", f"level[{node}: {said.words}]" if said.words else f"level[{node}]")
             about = f" about '{said.words}'" if said.words else ""
-            return ToldFailure(signal, LEVELS[said.level], (), f"{said.level} of {said.log} on /rosout{about}")
+            return ToldFailure(signal, LEVELS[said.level], said=f"{said.level} of {said.log} on /rosout{about}")
         if said.lifecycle is not None:
             signal = signal_name(f"{said.lifecycle}/transition_event", "goal_state.id")
-            return ToldFailure(signal, (ERROR_PROCESSING,), (ACTIVE,), f"lifecycle of {said.lifecycle}")
+            return ToldFailure(signal, (ERROR_PROCESSING,), (ACTIVE,), said=f"lifecycle of {said.lifecycle}")
         signal = signal_name(str(said.topic), str(said.field))
-        return ToldFailure(signal, tuple(said.values or ()), tuple(said.works or ()), signal)
+        if said.silent is not None:
+            return ToldFailure(signal, (), (), round(said.silent * SECOND), f"{signal} silent for {said.silent:g} s")
+        return ToldFailure(signal, tuple(said.values or ()), tuple(said.works or ()), said=signal)
     except RobophmError as error:
         raise LocatedError(place, str(error)) from None

@@ -199,16 +199,20 @@ def of_robot(path: Path, robot: str) -> Any:
     """Return a table of a robot's reports in a file, in their order. Raises RobophmError, FileNotFoundError."""
     from pyarrow import compute
 
+    columns = [*WHOLE, *COLUMNS]
     with readable(path), parquet().ParquetFile(path, page_checksum_verification=True) as file:
-        groups = [at for at in range(file.num_row_groups) if _within(file.metadata.row_group(at).column(0), robot)]
-        table = file.read_row_groups(groups, columns=["robot", *WHOLE, *COLUMNS])
+        names = {at: _names(file.metadata.row_group(at).column(0)) for at in range(file.num_row_groups)}
+        groups = [at for at, (first, last) in names.items() if first <= robot and (last is None or robot <= last)]
+        if all(names[at] == (robot, robot) for at in groups):
+            return file.read_row_groups(groups, columns=columns)
+        table = file.read_row_groups(groups, columns=["robot", *columns])
         return table.filter(compute.equal(table["robot"], robot))
 
 
-def _within(column: Any, robot: str) -> bool:
-    """Whether a robot may be in a group of rows, by the first and last name in it."""
+def _names(column: Any) -> tuple[str, str | None]:
+    """The first and last robot's name in a group of rows; of names that are not told, "" and None."""
     told = column.statistics
-    return told is None or not told.has_min_max or told.min <= robot <= told.max
+    return (told.min, told.max) if told is not None and told.has_min_max else ("", None)
 
 
 def while_days_become_months(read: Callable[[], _T], folder: Path) -> _T:

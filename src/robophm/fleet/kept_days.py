@@ -14,7 +14,7 @@ from robophm.core.errors import RobophmError
 from robophm.core.signal import DAY, SECOND
 from robophm.fleet.commit import BELIEVED
 from robophm.fleet.engines.engine import Engine, Row
-from robophm.fleet.figures import figures_of_bytes
+from robophm.fleet.figures import figures_of_rows
 from robophm.fleet.history_files import (
     AT_ONCE,
     WHOLE,
@@ -55,19 +55,26 @@ class Reports(NamedTuple):
         """Return some of them."""
         return Reports(*(each[rows] for each in self))
 
+    def where(self, which: NDArray[np.bool_]) -> Reports:
+        """Return those of which that is true; a year's are not copied where it is true of all."""
+        return self if which.all() else self.rows(which)
+
     @classmethod
     def of_rows(cls, robot: int, rows: Sequence[Row]) -> Reports:
         """Return the rows of a robot in a store, from epoch to figures. Raises StoreError where one is damaged."""
+        *whole, kept = zip(*rows, strict=True) if rows else [()] * 6
+        columns = [np.array(one, np.int64) for one in whole]
         figures = np.full((len(rows), len(COLUMNS)), np.nan, np.float32)
-        for at, row in enumerate(rows):
-            found = figures_of_bytes((robot, row[0], row[1]), row[2], row[5])
-            figures[at, : len(found)] = found
-        return cls._make((*np.array([row[:5] for row in rows], np.int64).reshape(-1, 5).T, figures))
+        found = figures_of_rows(np.column_stack([np.full(len(rows), robot), *columns[:3]]), kept)
+        figures[:, : found.shape[1]] = found
+        return cls._make((*columns, figures))
 
     @classmethod
     def together(cls, some: Sequence[Reports]) -> Reports:
         """Return all of some as one, one behind the other."""
-        return cls._make(map(np.concatenate, zip(cls.of_rows(0, ()), *some, strict=True)))
+        *keys, figures = zip(cls.of_rows(0, ()), *some, strict=True)
+        columns = np.concatenate([one.T for one in figures], axis=1)
+        return cls._make((*map(np.concatenate, keys), columns.T))
 
 
 class MovedOut(NamedTuple):
@@ -193,7 +200,7 @@ def kept_reports(
         return [_reports(of_robot(path, robot)) for path in paths]
 
     found = while_days_become_months(read, folder)
-    return [one.rows(_gone(one, moved, again)) for one in found]
+    return [one.where(_gone(one, moved, again)) for one in found]
 
 
 def _gone(some: Reports, moved: Mapping[int, int], again: Collection[tuple[int, int]]) -> NDArray[np.bool_]:
@@ -209,4 +216,7 @@ def _gone(some: Reports, moved: Mapping[int, int], again: Collection[tuple[int, 
 
 def _reports(table: Any) -> Reports:
     keys = [table[name].cast("int64").to_numpy() for name in WHOLE]
-    return Reports._make((*keys, np.column_stack([table[name].to_numpy() for name in COLUMNS])))
+    figures = np.empty((len(table), len(COLUMNS)), np.float32, order="F")  # each column is copied as it stands
+    for at, name in enumerate(COLUMNS):
+        figures[:, at] = table[name].to_numpy()
+    return Reports._make((*keys, figures))

@@ -82,7 +82,8 @@ class ExposureIntegrator:
         """
         if ledger.integrated_to is None:
             ledger.integrated_to = ledger.started if ledger.started is not None else ends[0]
-        for told in self._told.news(ledger, columns):
+        whole = columns
+        for told in self._told.news(ledger, columns, ends[-1]):
             if told.time > ledger.integrated_to:
                 before, columns = parted(columns, told.time)
                 self._integrate(ledger, before, [*(end for end in ends if end < told.time), told.time], duty)
@@ -90,6 +91,7 @@ class ExposureIntegrator:
             self._told.take(ledger, told)
         if ends:
             self._integrate(ledger, columns, ends, duty)
+        self._told.keep(ledger, whole)
 
     def _integrate(self, ledger: Ledger, columns: Columns, ends: Sequence[int], duty: Array | None) -> None:
         assert ledger.integrated_to is not None

@@ -24,12 +24,12 @@ from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.uncertainty import (
     DRAWS,
-    DrawnRates,
     Interval,
     completions_of,
     predictive_life,
     weighted_interval,
 )
+from robophm.health.weighted_draws import DrawnRates
 from robophm.parts import graded
 
 Array = npt.NDArray[np.float64]

@@ -18,6 +18,8 @@ class TaskAssessor:
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
+        self.limit = robot.wanted_completion or 0.0
+        """The least probability of completion that is accepted where whoever asks states none."""
         monitor = Monitor(robot)  # a plant of its own, which prepares what it is asked for
         self._plant, self._exposure = monitor.plant, monitor.exposure
         self._seen: tuple[Ledger, Sequence[SeenWear]] = self._exposure.settled(monitor.ledger), ()
@@ -31,4 +33,5 @@ class TaskAssessor:
         """Return the assessment of a task. Raises RobophmError as ``health.task_assessment.assess``."""
         with self._asking:
             ledger, wear = self._seen
+            limit = self.limit if limit is None else limit
             return assess(self._plant, self._exposure, ledger, task, limit=limit, draws=draws, wear=wear)

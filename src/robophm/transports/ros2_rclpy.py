@@ -16,6 +16,7 @@ from functools import partial
 from typing import Any
 
 from robophm.core.errors import SourceError
+from robophm.transports.live.failed_calls import note_failed_call
 from robophm.transports.live.woken import Waiting
 from robophm.transports.ros2_dds.cyclone import HISTORY, PUBLISHED, Message, Offer
 from robophm.transports.ros2_dds.definition import Definition, dds_name, name_of_dds
@@ -24,7 +25,7 @@ from robophm.transports.ros2_dds.graph import DISCOVERY_SECONDS
 from robophm.transports.ros2_dds.node import Node as DdsNode
 from robophm.transports.ros2_dds.publisher import Publisher
 from robophm.transports.ros2_dds.source import Ros2
-from robophm.transports.signals.incidents import UnknownTypeError
+from robophm.transports.signals.incidents import Incidents, UnknownTypeError
 
 __all__ = ["Node", "Publisher", "Ros2Rclpy", "Service"]
 
@@ -234,7 +235,7 @@ class Service:
         answer: Callable[[Any], Mapping[str, Any]],
     ) -> None:  # fmt: skip
         graph: Any = node.graph
-        self._close = graph.serve(node.name, name, type_, partial(_responded, answer))
+        self._close = graph.serve(node.name, name, type_, partial(_responded, answer, node.notes, name))
         node.serve(name, self)
         node.tell()
 
@@ -243,8 +244,13 @@ class Service:
         self._close()
 
 
-def _responded(answer: Callable[[Any], Mapping[str, Any]], request: Any, response: Any) -> Any:
-    _fill(response, answer(request))
+def _responded(
+    answer: Callable[[Any], Mapping[str, Any]], notes: Incidents, name: str, request: Any, response: Any
+) -> Any:
+    try:
+        _fill(response, answer(request))
+    except Exception as error:  # which would end the thread that hears everything
+        note_failed_call(notes, name, error)
     return response
 
 
@@ -252,8 +258,23 @@ def _fill(message: Any, fields: Mapping[str, Any]) -> None:
     for name, value in fields.items():
         if isinstance(value, Mapping):
             _fill(getattr(message, name), value)
+        elif isinstance(value, list) and value and isinstance(value[0], Mapping):
+            setattr(message, name, [_filled(_element_class(message, name)(), each) for each in value])
         else:
             setattr(message, name, value)
+
+
+def _filled(message: Any, fields: Mapping[str, Any]) -> Any:
+    _fill(message, fields)
+    return message
+
+
+def _element_class(message: Any, name: str) -> Any:
+    """The class of the messages in a sequence, which tells its type as ``sequence<rcl_interfaces/ParameterValue>``."""
+    from rosidl_runtime_py.utilities import get_message
+
+    inner = message.get_fields_and_field_types()[name].partition("<")[2].rstrip(">").partition(",")[0]
+    return get_message(inner.replace("/", "/msg/"))
 
 
 class RclpyReader:

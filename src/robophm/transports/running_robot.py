@@ -49,6 +49,11 @@ class Live:
         return 1 if self.system == "ROS 1" else 2
 
     @property
+    def has_parameters(self) -> bool:
+        """Whether nodes of ours are in a graph of ROS 2, whose tools ask each for its parameters."""
+        return self.transport.startswith("ros2_")
+
+    @property
     def said(self) -> str:
         """Return one line for people: which transport was chosen and why."""
         return f"listening to {self.system} ({self.transport}): {self.reason}"

@@ -40,6 +40,21 @@ def test_what_is_published_is_in_the_file(tmp_path: Path) -> None:
     assert [one.decoded_message.header.stamp.sec for one in found] == [1_700_000_000 + n for n in range(3)]
 
 
+def test_reports_may_be_published_further_apart_than_they_come(tmp_path: Path) -> None:
+    sink = publish(HealthRecording(tmp_path / "h.mcap"), 3)
+    sink.every = 3600.0
+    monitor = Monitor(ROBOT)
+    for second in range(3, 8):
+        monitor.observe(Sample((1_700_000_000 + second) * SECOND, "clock", 0.0))
+        sink.publish(monitor.report(remaining_life=False))
+    sink.every = 0.0
+    sink.publish(monitor.report(remaining_life=False))
+    sink.close()
+    with (tmp_path / "h.mcap").open("rb") as file:
+        found = list(make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages("/phm/r"))
+    assert [one.decoded_message.header.stamp.sec - 1_700_000_000 for one in found] == [0, 1, 2, 7]
+
+
 def test_a_robot_whose_name_is_that_of_a_topic(tmp_path: Path) -> None:
     """A robot called "Markers" has the next name that is free; its figures alone are beside it."""
     robot = parse("schema_version: 1\nname: Markers\ncomponents: {motor: {rate: 0.01 /h}, wheel: {rate: 0.02 /h}}\n")

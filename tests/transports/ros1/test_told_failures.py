@@ -102,3 +102,28 @@ def test_of_several_robots_each_hears_its_own_nodes(ros: System, live: Ros1, tmp
 
         within(10, told)
     assert [one.mode for one in failures(begun[0].ledger)] == [ROBOT.modes[0].key]
+
+
+SCANNER = """
+rospy.init_node("NAME")
+out = rospy.Publisher("/NAME", Float64, queue_size=10)
+say("ready")
+while not rospy.is_shutdown():
+    out.publish(Float64(1.0)); rospy.sleep(0.05)
+"""
+
+
+@pytest.mark.full
+def test_a_node_that_is_killed_is_a_failure_until_it_is_back(ros: System, live: Ros1, tmp_path: Path) -> None:
+    robot = parse(
+        "schema_version: 1\nname: R\nclocks: {kilometres: {topic: /other, speed: data}}\n"
+        "components: {lidar: {rate: 0.01 /h, failed_when: [{topic: /scan, field: data, silent: 1 s}]}}"
+    )
+    ros.talk(SCANNER.replace("NAME", "other"))
+    scanner = ros.talk(SCANNER.replace("NAME", "scan"))
+    with watched(robot, live, tmp_path) as begun:
+        within(10, lambda: any("/scan.data" in monitor.ledger.pending.columns() for monitor in begun))
+        ros.stop(scanner)
+        within(10, lambda: services(begun) == [("failed", "software")])
+        ros.talk(SCANNER.replace("NAME", "scan"))
+        within(10, lambda: services(begun) == [("failed", "software"), ("repaired", "software")])

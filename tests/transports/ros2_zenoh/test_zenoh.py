@@ -16,8 +16,9 @@ import pytest
 from robophm.core.errors import SourceError
 from robophm.design.file import parse
 from robophm.monitoring.task_assessor import TaskAssessor
-from robophm.transports.health_topics import Outlet, TaskService
+from robophm.transports.health_topics import Outlet, Parameter, ParameterServices, TaskService
 from robophm.transports.health_topics.definitions import typestore
+from robophm.transports.health_topics.message_of_fields import compose
 from robophm.transports.ros2_dds.definition import hash_of_service, known
 from robophm.transports.ros2_zenoh import Node, Publisher, Ros2Zenoh, Service
 from robophm.transports.ros2_zenoh.naming import Entity, attachment_of, entity_of, key_of, token_of
@@ -219,6 +220,37 @@ def test_a_client_by_the_design_is_answered(port: int, robot: Robot) -> None:
     finally:
         outlet.close()
     within(8, lambda: not robot.there("SS", "/phm/assess_task"))
+
+
+def test_parameters_are_told_and_changed(port: int, robot: Robot) -> None:
+    import zenoh
+
+    node, kept = "/phm_robot_task_completion_node", {"limit": 0.9}
+    outlet = Outlet(2, lambda name: Node(name, router=f"{LOOPBACK}:{port}"), Publisher, Service)
+    limit = Parameter("limit", "", 0.0, 1.0, lambda: kept["limit"], lambda value: kept.update(limit=value))
+    ParameterServices(outlet, node, [limit])
+    store: Any = typestore(2)
+
+    def asked(service: str, type_: str, fields: dict[str, Any]) -> Any:
+        within(8, lambda: robot.there("SS", f"{node}/{service}"))
+        request = compose(store, f"rcl_interfaces/msg/{type_}_Request", fields)
+        (reply,) = robot.session.get(
+            robot.key(f"{node}/{service}", *robot.there("SS", f"{node}/{service}")[0][10:12]),
+            payload=bytes(store.serialize_cdr(request, request.__msgtype__)),
+            attachment=beside(1, uuid.uuid4().bytes), target=zenoh.QueryTarget.ALL_COMPLETE,
+            consolidation=zenoh.ConsolidationMode.NONE, timeout=10.0,
+        )  # fmt: skip
+        return store.deserialize_cdr(reply.ok.payload.to_bytes(), f"rcl_interfaces/msg/{type_}_Response")
+
+    try:
+        assert asked("list_parameters", "ListParameters", {}).result.names == ["limit"]
+        assert asked("describe_parameters", "DescribeParameters", {"names": ["limit"]}).descriptors[0].type == 3
+        wanted = [{"name": "limit", "value": {"type": 3, "double_value": value}} for value in (0.5, 1.5)]
+        said = asked("set_parameters", "SetParameters", {"parameters": wanted}).results
+        assert [one.successful for one in said] == [True, False]
+        assert asked("get_parameters", "GetParameters", {"names": ["limit"]}).values[0].double_value == 0.5
+    finally:
+        outlet.close()
 
 
 @pytest.mark.parametrize("via", ["zenoh", "auto"])

@@ -17,6 +17,16 @@ Generation = Literal[1, 2]
 PACKAGE = "phm_msgs"
 """The package of those that are not ROS's own (ros/phm_msgs)."""
 
+PARAMETER_SERVICES = {
+    "ListParameters": ("string[] prefixes\nuint64 depth", "rcl_interfaces/ListParametersResult result"),
+    "GetParameters": ("string[] names", "rcl_interfaces/ParameterValue[] values"),
+    "GetParameterTypes": ("string[] names", "uint8[] types"),
+    "DescribeParameters": ("string[] names", "rcl_interfaces/ParameterDescriptor[] descriptors"),
+    "SetParameters": ("rcl_interfaces/Parameter[] parameters", "rcl_interfaces/SetParametersResult[] results"),
+    "SetParametersAtomically": ("rcl_interfaces/Parameter[] parameters", "rcl_interfaces/SetParametersResult result"),
+}
+"""Request and response of the services by which nodes of ROS 2 tell of their parameters, of rcl_interfaces."""
+
 
 @cache
 def typestore(generation: Generation) -> Typestore:
@@ -34,6 +44,9 @@ def typestore(generation: Generation) -> Typestore:
     for file in (folder / "srv").glob("*.srv"):
         halves = file.read_text(encoding="utf-8").split("\n---\n")
         for name, text in zip(service_types(f"{PACKAGE}/srv/{file.stem}", generation), halves, strict=True):
+            types |= get_types_from_msg(text, name)
+    for service, texts_of in PARAMETER_SERVICES.items() if generation == 2 else ():
+        for name, text in zip(service_types(f"rcl_interfaces/srv/{service}", 2), texts_of, strict=True):
             types |= get_types_from_msg(text, name)
     store.register(types)
     return store

@@ -63,6 +63,10 @@ class HealthTopics(ReportSink):
         self._root = namespace.rstrip("/")
         self._outlet = outlet
         self._frame = frame
+        self.every = 0.0
+        """Seconds between two reports that are published, at least; 0: each is."""
+        self._published = -math.inf
+        """The time of the report that was published last [s], by a clock that nobody sets."""
         self._store: Any = typestore(outlet.generation)
         self._publishers: dict[str, tuple[Publisher, str]] = {}
         self._lock = threading.Lock()
@@ -110,7 +114,16 @@ class HealthTopics(ReportSink):
             self._publishers[topic] = publisher, type_
 
     def publish(self, report: HealthReport) -> None:
-        """Publish hazard rates and reliabilities, then all else."""
+        """Publish hazard rates and reliabilities, then all else, unless that was done less than ``every`` ago."""
+        self._report = report
+        if due := (now := time.monotonic()) - self._published >= self.every:
+            self._published = now
+            self._send_health(report)
+        self.repeat()
+        if due:
+            self._send_completions(report.time or 0)
+
+    def _send_health(self, report: HealthReport) -> None:
         self._send(f"{self._root}/phm_hazard_rate", report_fields.hazard_rates(report))
         self._send(f"{self._root}/phm_reliability", report_fields.reliabilities(report))
         for one in report_fields.told_of(report):
@@ -121,9 +134,6 @@ class HealthTopics(ReportSink):
                     for name, field in FIGURES.items():
                         self._send(f"{self._root}/phm/{name}", {"data": fields[field]})
         self._send(f"{self._root}/phm/markers", report_fields.markers(report, self._frame))
-        self._report = report
-        self.repeat()
-        self._send_completions(report.time or 0)
 
     def repeat(self) -> None:
         """Tell /diagnostics once a second, by the latest report, however far apart reports are."""

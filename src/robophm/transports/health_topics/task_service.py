@@ -33,6 +33,8 @@ class Assessor(Protocol):
     """Assesses the tasks of one robot."""
 
     robot: Robot
+    limit: float
+    """The least probability of completion that is accepted where whoever asks states none."""
 
     def assess(self, task: Task, limit: float | None, draws: int) -> TaskAssessment:
         """Return the assessment of a task, from any thread. Raises RobophmError where it cannot be judged."""
@@ -44,6 +46,8 @@ class TaskService:
     def __init__(self, outlet: Outlet, assessor: Assessor, namespace: str = "/") -> None:
         """Begin to serve. Raises SourceError where that cannot be."""
         self._assessor = assessor
+        self.draws = DRAWS
+        """Draws of all rates together, where whoever asks states none."""
         self.unknown = ""
         """The reason why it is not served, where this ROS does not know its type; else empty."""
         root = namespace.rstrip("/")
@@ -57,7 +61,7 @@ class TaskService:
         """Return the fields of the response to a request; one that cannot be judged is refused in words."""
         try:
             task = task_of(request.legs, self._assessor.robot)
-            draws = request.draws or DRAWS
+            draws = request.draws or self.draws
             if draws > MOST_DRAWS:
                 raise RobophmError(f"{draws} draws; expected at most {MOST_DRAWS}")
             found = self._assessor.assess(task, request.limit if request.limit != 0 else None, draws)
