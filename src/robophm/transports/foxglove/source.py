@@ -21,7 +21,7 @@ from robophm.transports.foxglove.protocol import (
     message_in,
     text,
 )
-from robophm.transports.live.decoding import TopicDecoder
+from robophm.transports.live.decoding import Numbers, TopicDecoder
 from robophm.transports.live.pushed import Pushed
 from robophm.transports.live.receiving import CLOCK_TOPIC, QUEUE, TICK
 from robophm.transports.live.served import ServedSource, Subscriptions, uncounted
@@ -156,6 +156,14 @@ def _listed(message: dict[str, Any], name: str) -> list[Any]:
     return found if isinstance(found, list) else []
 
 
+class _Mixed(TopicDecoder):
+    """Reads a channel, on which a server puts the messages of all publishers of a topic: their header.seq is none."""
+
+    def read(self, raw: bytes, *, whole: bool) -> Numbers:
+        """Return the numbers of one message, without its place in a sequence."""
+        return super().read(raw, whole=whole)._replace(sequence=None)
+
+
 class _Listening(Subscriptions[Channel]):
     """Which channels are subscribed, each with its decoder."""
 
@@ -181,8 +189,8 @@ class _Listening(Subscriptions[Channel]):
             self._refuse(channel.topic, error.kind, error)
             return
         self._begin(channel.topic, channel.identity)
-        if channel.topic != CLOCK_TOPIC and not decoder.numbered:
-            self._notes.once(f"{uncounted(SERVER)}: the protocol has no numbers, these messages no header.seq")
+        if channel.topic != CLOCK_TOPIC:
+            self._notes.once(f"{uncounted(SERVER)}: its messages have no numbers, and may be of several publishers")
         number = next(self._numbers)
         self._decoders[number] = decoder
         self._subscribed[channel.id] = number
@@ -207,7 +215,7 @@ class _Listening(Subscriptions[Channel]):
 
     def _decoder(self, channel: Channel) -> TopicDecoder:
         try:
-            return TopicDecoder(channel.topic, channel.type(), self._wanted[channel.topic], channel.identity)
+            return _Mixed(channel.topic, channel.type(), self._wanted[channel.topic], channel.identity)
         except TypeRefusedError:
             raise
         except SourceError as error:
