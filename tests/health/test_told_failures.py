@@ -179,12 +179,17 @@ def test_struck_out_is_as_if_it_had_never_been_told() -> None:
     take_note(robot, told, ServiceNote("lidar", by="Ann", none=True))
     assert seen(told, "lidar") == (0, pytest.approx(1, rel=1e-12))
     assert told.age.value[0] == pytest.approx(plain.age.value[0], rel=1e-12)
+    active = told.seen["lidar (operating, age scaling)"]  # known to work once it was active again, at the age of then
+    assert (active.time, active.age) == (START + 2000 * SECOND, pytest.approx(2000 / 3600))
     assert (told.failed, told.replaced, failures(told)) == (frozenset(), {}, [])
     kept = Ledger.of(robot, json.loads(json.dumps(told.to_json())))
     assert kept.to_json() == told.to_json()
     said = [(one.kind, one.said) for one in events_of(kept.to_json())]
-    assert said == [("failure struck out", "lidar had not failed, struck out by Ann"),
-                    ("failure struck out", "lidar had not failed, struck out by Ann: a cable test")]  # fmt: skip
+    by_software = "told by software: lifecycle of /lidar"
+    assert said == [
+        ("failure struck out", f"lidar had not failed, struck out by Ann: {by_software}"),
+        ("failure struck out", f"lidar had not failed, struck out by Ann: a cable test; {by_software}"),
+    ]
     with pytest.raises(RobophmError, match="no failure of it was told of"):
         take_note(robot, told, ServiceNote("lidar", none=True))
 
@@ -258,6 +263,18 @@ def test_silence_while_the_robot_is_heard(samples: list[Sample], failed: list[in
         ledger = lived(samples, SILENT, period)
         said = [((one.time - START) // SECOND, one.kind) for one in ledger.services]
         assert said == sorted([(time, "failed") for time in failed] + [(time, "repaired") for time in works])
+
+
+def test_a_night_ends_no_failure_that_others_told_of() -> None:
+    """An error of the log at 50 s; the scan is heard again after the robot was off, as it was until then."""
+    robot = parse(
+        HEAD + "components: {lidar: {rate: 0.01 /h, failed_when: [{log: /lidar}, "
+        "{topic: /scan, field: range, silent: 10 s}]}}\nmax_gap: 60 s"
+    )
+    drive = [*powered((0, 100)), *powered((100, 300), on=0.0), *powered((300, 400)), *scans((0, 100), (300, 400))]
+    ledger = lived([*drive, at(50, LOG, ERROR)], robot)
+    assert [((one.time - START) // SECOND, one.kind) for one in ledger.services] == [(50, "failed")]
+    assert len(ledger.failed) == 1
 
 
 def test_silence_is_told_alike_in_blocks_and_after_restarts() -> None:

@@ -13,6 +13,7 @@ import robophm.health.ageing
 from robophm.health.future import Future
 from robophm.health.ledger import Step
 from robophm.health.outlooks import as_designed
+from robophm.health.plant import Plant
 from robophm.health.prognosis import Outlook
 from robophm.health.uncertainty import (
     FEWEST_STEPS,
@@ -64,6 +65,18 @@ def test_a_constant_past_has_a_certain_future() -> None:
     outlook = as_designed(PLANT)
     found = life_uncertainty(outlook, PLANT.robot.diagram, loads=loads, draws=10)
     assert found.all_sources == near([-math.log(p) / 3e-3 for p in LEVELS], 1e-7)
+
+
+@pytest.mark.parametrize("operating", [1.0, 0.5])
+def test_the_share_of_operation_is_the_designs_whatever_the_past_has_of_pauses(operating: float) -> None:
+    """A third of all time at work, of a past with none or as many pauses as work: hazards per hour by the calendar."""
+    parts = {"a": {"rate": "1e-3 /h"}, "b": {"rate": "2e-3 /h", "clock": "calendar"}}
+    plant = Plant(robot(parts, usage={"operating": 1 / 3}))
+    past = history(plant, [3.0] * 30, operating)
+    past.history = [one._replace(age=np.array([operating, 1.0]), effective=np.array([operating * 3, 3.0]))
+                    for one in past.history]  # fmt: skip
+    found = life_uncertainty(as_designed(plant), plant.robot.diagram, loads=draw_loads(plant, past, 20, 0), draws=10)
+    assert found.all_sources == near([-math.log(p) / (3e-3 / 3 + 3 * 2e-3) for p in LEVELS], 1e-7)
 
 
 @pytest.mark.full

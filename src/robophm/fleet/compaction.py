@@ -34,6 +34,7 @@ from robophm.fleet.history_files import (
     month_of,
     of_robot,
     parquet,
+    readable,
 )  # fmt: skip
 
 LEVEL = 19
@@ -147,7 +148,11 @@ def _compare(told: Sequence[Path], place: Path, count: int) -> None:
 
 
 def _rows(paths: Sequence[Path]) -> int:
-    return sum(parquet().read_metadata(path).num_rows for path in paths)
+    rows = 0
+    for path in paths:
+        with readable(path):
+            rows += parquet().read_metadata(path).num_rows
+    return rows
 
 
 def _robots(paths: Sequence[Path]) -> Iterator[tuple[str, Any]]:

@@ -38,6 +38,17 @@ def history(
     RobophmError.
     """
     number = store.number_of(robot)
+    while True:
+        left = _left(store, number) if days else None
+        found = _history(store, robot, number, start, end, points, days)
+        if not days or _left(store, number) == left:
+            return found
+        # Reports left the store for the folder meanwhile: they may have been read in both.
+
+
+def _history(
+    store: FleetStore, robot: str, number: int, start: int | None, end: int | None, points: int, days: Path | None
+) -> RobotHistory:
     window = number, -(2**63) if start is None else start, 2**63 - 1 if end is None else end
     ((there, ahead),) = store.rows(
         f"SELECT count(*), coalesce(sum(CASE WHEN time > received + {AHEAD} THEN 1 ELSE 0 END), 0) FROM report "
@@ -54,14 +65,19 @@ def history(
     return RobotHistory(_points(Reports.together(told), points), int(ahead), elsewhere)
 
 
-def _moved(store: FleetStore, robot: str, number: int, folder: Path) -> list[Reports]:
-    """The reports of a robot that are in a folder of days alone."""
+def _left(store: FleetStore, number: int) -> tuple[dict[int, int], set[tuple[int, int]]]:
+    """The number of the last report of each epoch that has left the store, and those up to it that are there."""
     last: dict[int, int] = dict(store.rows("SELECT number, moved FROM epoch WHERE robot = ? AND moved > 0", (number,)))
     again = store.rows(
         "SELECT report.epoch, seq FROM report JOIN epoch ON epoch.robot = report.robot AND epoch.number = report.epoch "
         "WHERE report.robot = ? AND seq <= moved", (number,),
     )  # fmt: skip
-    return kept_reports(folder, robot, last, {(epoch, seq) for epoch, seq in again})
+    return last, {(epoch, seq) for epoch, seq in again}
+
+
+def _moved(store: FleetStore, robot: str, number: int, folder: Path) -> list[Reports]:
+    """The reports of a robot that are in a folder of days alone."""
+    return kept_reports(folder, robot, *_left(store, number))
 
 
 def _of_store(store: FleetStore, window: tuple[int, int, int]) -> Iterator[Reports]:

@@ -273,16 +273,21 @@ class Ledger:
         if since := [i for i in own if i > last]:
             repaired = self.services.pop(since[0])
             i = self.modes.index(mode)
-            for total, before, after in zip(
-                (self.age, self.effective, self.hazard), repaired.before, repaired.after, strict=True
-            ):
-                total.high[i], total.low[i] = total.high[i] + (total.low[i] + (before - after)), 0.0
+            more = [before - after for before, after in zip(repaired.before, repaired.after, strict=True)]
+            for total, left_out in zip((self.age, self.effective, self.hazard), more, strict=True):
+                total.high[i], total.low[i] = total.high[i] + (total.low[i] + left_out), 0.0
             served = [
                 self.services[i].time for i in own if i < last and self.services[i].kind in ("replaced", "repaired")
             ]
             self.replaced.pop(mode, None)
             self.replaced |= {mode: served[-1]} if served else {}
-        self.services[last] = self.services[last]._replace(kind="struck out", failed=False, by=by, note=note)
+            if (then := self.seen.get(mode)) is not None:
+                self.seen[mode] = Seen(
+                    then.time, *(one + left_out for one, left_out in zip(then[1:], more, strict=True))
+                )
+        was = self.services[last]
+        told = f"{note}; " * bool(note) + f"told by {was.by or 'nobody named'}" + f": {was.note}" * bool(was.note)
+        self.services[last] = was._replace(kind="struck out", failed=False, by=by, note=told)
 
     def _begin_anew(
         self, key: str, kind: Literal["replaced", "repaired"], failed: bool, after: tuple[float, float, float]

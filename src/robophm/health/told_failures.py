@@ -12,10 +12,11 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from robophm.design.robot import FailureMode, Robot
 from robophm.design.told_failure import ToldFailure
-from robophm.health.ledger import Ledger
+from robophm.health.ledger import Ledger, Service
 from robophm.health.service import SOFTWARE, ServiceNote, take_note
 from robophm.health.window import Columns
 
@@ -31,6 +32,8 @@ class Told(NamedTuple):
     failed: bool
     signal: str
     said: str
+    ends_own: bool = False
+    """Whether, as of a signal that is heard again, only what this signal told of is over."""
 
 
 SAID_BY_SOFTWARE = ("failed", SOFTWARE)
@@ -45,12 +48,31 @@ def _key(signal: str) -> str:
 
 
 class _Known:
-    """What a ledger knows of failures, looked up once for many messages."""
+    """What a ledger knows of failures, kept up while it takes more."""
 
     def __init__(self, ledger: Ledger) -> None:
-        self.last = {one.mode: (one.kind, one.by) for one in ledger.services}
-        self.failed = ledger.failed
-        self.told = Counter(one.mode for one in ledger.services if one.by == SOFTWARE)
+        self._ledger, self._read = ledger, 0
+        self.last: dict[str, Service] = {}
+        self.failed: set[str] = set()
+        self.told = Counter[str]()
+        self.read_on()
+
+    def read_on(self) -> None:
+        """Take what the ledger has come to know since."""
+        for one in self._ledger.services[self._read :]:
+            self.last[one.mode] = one
+            (self.failed.add if one.kind == "failed" else self.failed.discard)(one.mode)
+            self.told[one.mode] += one.by == SOFTWARE
+        self._read = len(self._ledger.services)
+
+    def of_software(self, told: Told) -> bool:
+        """Whether what failed by software, and by this signal where no other counts, is over."""
+        last = self.last.get(told.mode.key)
+        return (
+            last is not None
+            and (last.kind, last.by) == SAID_BY_SOFTWARE
+            and (not told.ends_own or last.note == told.said)
+        )
 
 
 class ToldFailures:
@@ -60,6 +82,11 @@ class ToldFailures:
         self._robot = robot
         self._tellers = [(mode, one) for mode in robot.modes for one in mode.failed_when]
         self._silent = {one.signal for _, one in self._tellers if one.silent}
+        modes = {mode.key: number for number, mode in enumerate(robot.modes)}
+        parts = {mode.key: number for number, part in enumerate(robot.all_components()) for mode in part.modes}
+        of_teller = [(parts[mode.key], modes[mode.key]) for mode, _ in self._tellers]
+        self._of_teller = np.array(of_teller, dtype=np.int64).reshape(-1, 2)
+        self._own = np.array([one.silent is not None for _, one in self._tellers], dtype=bool)
         self._beside = {
             mode.key: frozenset(one.key for one in part.modes) for part in robot.all_components() for mode in part.modes
         }
@@ -73,26 +100,40 @@ class ToldFailures:
         for told in self._within(ledger, columns, end):
             known = known or _Known(ledger)
             key = told.mode.key
-            if known.failed.isdisjoint(self._beside[key]) if told.failed else known.last.get(key) == SAID_BY_SOFTWARE:
+            if known.failed.isdisjoint(self._beside[key]) if told.failed else known.of_software(told):
                 if known.told[key] >= MOST_TOLD:
                     ledger.counts[f"more than {MOST_TOLD} failures told: {told.signal}"] += 1
                     continue
                 yield told
-                known = None
+                known.read_on()
 
     def _within(self, ledger: Ledger, columns: Columns, end: int) -> list[Told]:
-        found: list[tuple[int, bool, int, FailureMode, ToldFailure]] = []
-        for order, (mode, one) in enumerate(self._tellers):
+        found: list[npt.NDArray[np.int64]] = []  # rows of time, whether it works, which teller
+        for order, (_, one) in enumerate(self._tellers):
             times, values = columns.get(one.signal, _NOTHING)
             if one.silent:
                 told = self._silences(ledger, columns, one, end)
-            else:
-                told = [(int(times[row]), not failed)
-                        for wanted, failed in ((one.failed, True), (one.works, False)) if wanted
-                        for row in np.flatnonzero(np.isin(values, wanted))]  # fmt: skip
-            found += [(time, works, order, mode, one) for time, works in told]
-        found.sort(key=lambda one: one[:3])
-        return [Told(time, mode, not works, one.signal, one.said) for time, works, _, mode, one in found]
+                found.append(np.array([(time, works, order) for time, works in told], dtype=np.int64).reshape(-1, 3))
+                continue
+            for wanted, works in ((one.failed, 0), (one.works, 1)):
+                if wanted and len(rows := np.flatnonzero(np.isin(values, wanted))):
+                    found.append(np.stack([times[rows], np.full_like(rows, works), np.full_like(rows, order)], axis=1))
+        told_in_order = self._changes(np.concatenate(found)) if found else np.empty((0, 3), dtype=np.int64)
+        return [
+            Told(time, mode, not works, one.signal, one.said, ends_own=one.silent is not None)
+            for time, works, order in told_in_order.tolist()
+            for mode, one in (self._tellers[order],)
+        ]
+
+    def _changes(self, rows: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+        """The rows in their order, less those that tell of a part what the row of it before has told."""
+        rows = rows[np.lexsort(rows.T[::-1])]
+        part, mode = self._of_teller[rows[:, 2]].T
+        by_part = np.argsort(part, kind="stable")
+        told = np.stack([part, mode, rows[:, 1], np.where(self._own[rows[:, 2]], rows[:, 2], -1)], axis=1)[by_part]
+        news = np.ones(len(rows), dtype=bool)
+        news[by_part[1:]] = (told[1:] != told[:-1]).any(axis=1)
+        return rows[news]
 
     def _silences(self, ledger: Ledger, columns: Columns, one: ToldFailure, end: int) -> list[tuple[int, bool]]:
         """When a signal had been silent for so long, and when it was heard again; until a time [ns].

@@ -104,24 +104,30 @@ class CompletionUncertainty:
 def draw_loads(plant: Plant, ledger: Ledger, count: int, seed: int) -> list[Future]:
     """Draw loads to come in blocks from the robot's own past; none where that is too short.
 
-    Blocks of √n steps keep what belongs together, such as day and night (Künsch 1989).
+    Blocks of √n steps keep what belongs together, such as day and night (Künsch 1989). Of all time the robot is to work
+    the share that its design states, as in every other future: a past of one drive has none of its pauses.
     """
     steps = [step for step in ledger.history if step.calendar > 0]
-    if len(steps) < FEWEST_STEPS or not sum(step.operating for step in steps) > 0:
+    operating = sum(step.operating for step in steps)
+    if len(steps) < FEWEST_STEPS or not operating > 0:
         return []
+    longer = operating / (plant.robot.usage.operating * sum(step.calendar for step in steps))
     random = np.random.default_rng([seed, len(steps)])
     block = max(1, math.isqrt(len(steps)))
     count = max(2, min(count, _AT_ONCE * 4 // (_STEPS_AHEAD * len(plant.robot.modes))))
-    return [_load(steps, block, random) for _ in range(count)]
+    return [_load(plant, steps, block, random, longer) for _ in range(count)]
 
 
-def _load(steps: Sequence[Step], block: int, random: np.random.Generator) -> Future:
+def _load(plant: Plant, steps: Sequence[Step], block: int, random: np.random.Generator, longer: float) -> Future:
+    """A load in which calendar time is so many times as long as it was."""
     starts = random.integers(0, len(steps), -(-_STEPS_AHEAD // block))
     drawn = [steps[(start + i) % len(steps)] for start in starts for i in range(block)]
     advance, effective = (np.column_stack([getattr(step, name) for step in drawn]) for name in ("age", "effective"))
-    calendar, operating = ([getattr(step, name) for step in drawn] for name in ("calendar", "operating"))
+    calendar, operating = [longer * step.calendar for step in drawn], [step.operating for step in drawn]
     if not sum(operating) > 0:
-        return _load(steps, block, random)
+        return _load(plant, steps, block, random, longer)
+    for of_clock in (advance, effective):
+        of_clock[plant.calendar] *= longer
     return Future.of_steps("drawn from the past", calendar, operating, advance, effective)
 
 

@@ -286,7 +286,7 @@ class Monitoring:
             return
         with self.history() as store:
             kept = kept_ledger(robot, store) if store else None
-            if store and kept and len(kept.services) != len(run.ledger.services):
+            if store and kept and kept.services != run.ledger.services:
                 look = _Looking(run, self.board, AlarmWatch(robot, store.alarm_log(robot.identity)))
                 look.warm(Monitor(robot, kept))
 

@@ -74,6 +74,10 @@ UNASKED = [
     ('<define-basic-event name="c"><float value="2"/></define-basic-event>', "'c' has the probability 2"),
     ('<define-gate name="g"><gate name="h"/></define-gate><define-gate name="h"><gate name="g"/></define-gate>',
      "loop: "),
+    ('<define-house-event name="h"><float value="1"/></define-house-event>', "house event 'h' has no state"),
+    ('<define-CCF-group name="g" model="beta-factor"><members><basic-event name="x"/><basic-event name="y"/></members>'
+     '<distribution><float value="0.1"/></distribution><factor><float value="7"/></factor></define-CCF-group>',
+     "common-cause group 'g': "),
 ]  # fmt: skip
 
 

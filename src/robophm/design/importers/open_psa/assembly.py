@@ -120,7 +120,7 @@ class Assembly:
         if kind == MEMBER:
             return formulas.at_least(1, [self._number(one) for one in self._causes_of(name)])
         if kind == "house-event":
-            return houses.get(name, _state(said))
+            return houses.get(name, house_state(said))
         return formulas.value(_inside(said), base)
 
     def _number(self, name: str) -> int:
@@ -213,8 +213,8 @@ def _inside(said: Element) -> Element:
     return inside[0]
 
 
-def _state(house: Element) -> bool:
-    """The state of a house event; where none is said it is false, as the format has it."""
+def house_state(house: Element) -> bool:
+    """Return the state of a house event; where none is said it is false, as the format has it."""
     inside = list(house.inside())
     if len(inside) > 1 or (inside and inside[0].tag != "constant"):
         raise house.fault(f"house event '{name_of(house)}' has no state; expected a constant")

@@ -8,8 +8,8 @@ from pathlib import Path
 from robophm.core.errors import DesignError, nearest
 from robophm.core.markup import Element
 from robophm.design.importers.open_psa.alignments import Phase, phases
-from robophm.design.importers.open_psa.assembly import MEMBER, Assembly, Formula
-from robophm.design.importers.open_psa.common_causes import Group, members
+from robophm.design.importers.open_psa.assembly import MEMBER, Assembly, Formula, house_state
+from robophm.design.importers.open_psa.common_causes import Group, causes, members
 from robophm.design.importers.open_psa.event_trees import EventTrees
 from robophm.design.importers.open_psa.expressions import Expressions
 from robophm.design.importers.open_psa.files import Files
@@ -132,8 +132,12 @@ class Definitions:
         for one in self._events:
             if one.kind == "basic-event" and list(one.said.inside()):
                 expressions.probability(one.said, one.base)
+            elif one.kind == "house-event":
+                house_state(one.said)
             elif one.kind == "gate":
                 assembly.value(Formula(one.said, one.base))
+        for group in self._groups:
+            list(causes(group, expressions))
 
     def _in_phase(self, phase: Phase, wanted: str | None) -> list[Question]:
         during = f" ({phase.name}, {phase.fraction:g} of the time)" if phase.name else ""
