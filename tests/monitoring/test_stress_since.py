@@ -80,7 +80,7 @@ def test_it_is_said_in_words() -> None:
             Since(BEGIN, BEGIN - 60 * SECOND),
             "above that since 2023-11-15 00:00:00 UTC, not yet at 2023-11-14 23:59:00 UTC",
         ),
-        (Since(BEGIN), "above that since before 2023-11-15 00:00:00 UTC, when its course begins"),
+        (Since(BEGIN), "above that since 2023-11-15 00:00:00 UTC at least, the first time that is kept"),
         (Since(None), "since when is not known"),
     ):
         said = type(stress)(*(getattr(stress, name) for name in list(vars(stress))[:-1]), since=since)

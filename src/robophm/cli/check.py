@@ -60,7 +60,7 @@ def command(design: Design, as_json: Json = False) -> None:
         f"{design}: {robot.name} is valid: {many_text(len(list(robot.all_modules())), 'module')}, "
         f"{many_text(robot.part_count, 'part')}, "
         + (f"{left_out.parts} of them of unknown rate, " if left_out else "")
-        + (f"{robot.part_count - driven} that no sensor drives, " if robot.signals else "")
+        + f"{robot.part_count - driven} that no sensor drives, "
         + (f"{many_text(len(robot.causes), 'common cause')}, " if robot.causes else "")
         + f"{many_text(len(robot.signals), 'signal')}, {many_text(len(warnings), 'warning')}",
         markup=False, soft_wrap=True,

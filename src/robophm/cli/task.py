@@ -282,7 +282,7 @@ def _print_uncertainty(out: Console, report: TaskReport, if_never: str, *, drawn
         out.print(f"{exact} ({why}).")
         return
     past = ", the load drawn from its past" if sure.of_load else ""
-    out.print(f"All of it fails with 90 % {_between(sure.failure, 'between ')}{past}{if_never}", markup=False)
+    out.print(f"All of it fails {_between(sure.failure, 'between ')} (90 %{past}){if_never}", markup=False)
     if sure.of_rates and sure.of_load:
         out.print(f"  if rates were known exactly: {_between(sure.failure_if_rates_known)}{if_never}", markup=False)
         out.print(

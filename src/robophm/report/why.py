@@ -70,7 +70,7 @@ def _since(stress: ObservedStress) -> str:
         return "; since when is not known"
     side = "above" if stress.observed > stress.designed else "below"
     if after is None:
-        return f"; {side} that since before {moment(time)}, when its course begins"
+        return f"; {side} that since {moment(time)} at least, the first time that is kept"
     return f"; {side} that since {moment(time)}, not yet at {moment(after)}"
 
 
