@@ -20,7 +20,7 @@ BEGIN = 1_700_006_400 * SECOND
 def asked(value: float, designed: float = 25.0, signal: str = "/t.x") -> Explanation:
     stress = ObservedStress("temperature", signal, "degC", value, designed, designed, value > designed)
     part = DecidingPart("motor", 1, 1.0, 2.0, (stress,), silent=False, wear=(), relieved=None)
-    return Explanation(0.9, 1.0, 1.0, 1.0, (part,))
+    return Explanation(0.9, 1.0, 1.0, 1.0, 1.0, (part,))
 
 
 def told(values: dict[int, float], value: float, now: int) -> Since | None:
@@ -85,5 +85,5 @@ def test_it_is_said_in_words() -> None:
     ):
         said = type(stress)(*(getattr(stress, name) for name in list(vars(stress))[:-1]), since=since)
         part = DecidingPart("motor", 1, 1.0, 2.0, (said,), silent=False, wear=(), relieved=None)
-        line = list(reasons(Explanation(0.9, 1.0, 1.0, 1.0, (part,))))[1]
+        line = list(reasons(Explanation(0.9, 1.0, 1.0, 1.0, 1.0, (part,))))[1]
         assert line == f"  temperature 30 °C, designed for 25 °C (/t.x); {words}"
