@@ -107,6 +107,7 @@ def _remove(folder: Path, names: Sequence[str]) -> None:
 def _join(folder: Path, month: str, days: Sequence[Path]) -> int:
     """Put a month in the place of its days; return the size of its files [bytes]."""
     made = folder / _MADE / month
+    made.mkdir(parents=True)
     size = 0
     for design in sorted({design for day in days for design in designs_in(day)}):
         place = made / design

@@ -54,7 +54,7 @@ def month_of(name: str) -> str:
 
 def folders(folder: Path) -> list[str]:
     """Return the names of the folders that are there, of joined months and of days, in order. Raises OSError."""
-    return sorted(one.name for one in folder.iterdir() if _FOLDER.fullmatch(one.name))
+    return sorted(one.name for one in folder.iterdir() if _FOLDER.fullmatch(one.name) and one.is_dir())
 
 
 def counting(folder: Path) -> list[str]:

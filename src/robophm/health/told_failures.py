@@ -20,8 +20,8 @@ from robophm.health.ledger import Ledger, Service
 from robophm.health.service import SOFTWARE, ServiceNote, take_note
 from robophm.health.window import Columns
 
-MOST_TOLD = 1000
-"""Failures and returns to work of one failure mode that a ledger takes from software; what is beyond is counted."""
+MOST_TOLD = 200
+"""Failures and returns to work of one failure mode that a ledger takes from software; that there were more is noted."""
 
 
 class Told(NamedTuple):
@@ -71,7 +71,7 @@ class _Known:
         return (
             last is not None
             and (last.kind, last.by) == SAID_BY_SOFTWARE
-            and (not told.ends_own or last.note == told.said)
+            and (not told.ends_own or last.note.startswith(f"{told.signal} silent"))
         )
 
 
@@ -102,7 +102,7 @@ class ToldFailures:
             key = told.mode.key
             if known.failed.isdisjoint(self._beside[key]) if told.failed else known.of_software(told):
                 if known.told[key] >= MOST_TOLD:
-                    ledger.counts[f"more than {MOST_TOLD} failures told: {told.signal}"] += 1
+                    ledger.counts[f"more than {MOST_TOLD} failures and returns to work told: {told.signal}"] = 1
                     continue
                 yield told
                 known.read_on()
