@@ -51,7 +51,7 @@ modules:
 def test_the_lists_of_the_reference_are_valid():
     page = (ROOT / "docs" / "reference" / "task-file.md").read_text(encoding="utf-8")
     robot = parse(CRATE)
-    (listed,), (table,) = (re.findall(rf"```{kind}\n(.*?)```", page, re.S) for kind in ("yaml", "csv"))
+    (listed, _), (table,) = (re.findall(rf"```{kind}\n(.*?)```", page, re.S) for kind in ("yaml", "csv"))
     plan, of_table = parse_plan(listed, robot), plan_from_csv(table, robot)
     assert [len(task.legs) for task in plan.tasks] == [len(task.legs) for task in of_table.tasks] == [2, 1]
     assert plan.every == 24

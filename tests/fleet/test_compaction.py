@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.cases import some
 from tests.fleet.made_reports import BEGIN, MINUTE
 from typer.testing import CliRunner
 
@@ -177,14 +178,16 @@ def test_wherever_it_is_killed_each_report_is_found_once_and_the_next_run_ends_i
     process.join(60)
     assert process.exitcode == 0
     states = set()
-    for folder in place.iterdir():
+    folders = sorted(place.iterdir())
+    for folder in folders:
         assert rows_of(path for name in counting(folder) for path in files_in(folder / name)) == before
-        assert asked(folder, ("a",)) == told
         states.add(tuple(names_in(folder)))
+    for folder in some(folders):
+        assert asked(folder, ("a",)) == told
         join_months(folder, DECEMBER + OVER)
         assert rows_of(folder.rglob("*.parquet")) == before
         assert names_in(folder) == ["day=2023-11", "day=2023-12-01", "day=2023-12-02"]
-    assert len(list(place.iterdir())) > 20
+    assert len(folders) > 20
     assert len(states) >= 6, "before, while and after it is made, while and after its days are taken away"
 
 

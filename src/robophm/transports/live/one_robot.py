@@ -47,7 +47,7 @@ class OneRobot(RenamedSource):
         return [f"there are topics of others{nearest(self.root.strip('/'), sorted(first))}"]
 
     def topics(self) -> list[TopicInfo]:
-        """Return the topics of the robot, named from its namespace."""
-        below = f"{self.root}/"
-        found = (info for info in self._source.topics() if info.topic.startswith(below) or info.topic == LOG)
-        return [info.called(info.topic.removeprefix(self.root)) for info in found]
+        """Return the topics of the robot, named from its namespace; where it has any, the log of all nodes too."""
+        all_, below = self._source.topics(), f"{self.root}/"
+        own = [info.called(info.topic.removeprefix(self.root)) for info in all_ if info.topic.startswith(below)]
+        return own + [info for info in all_ if own and info.topic == LOG]

@@ -62,7 +62,7 @@ def test_what_no_sensor_drives_is_counted(shared, tmp_path, monkeypatch, capsys)
     design = tmp_path / "board.yaml"
     design.write_text(found.text, encoding="utf-8")
     command(design)
-    assert "181 parts, 2 that no sensor drives, 1 signals, 0 warnings" in capsys.readouterr().out.replace("\n", " ")
+    assert "181 parts, 2 that no sensor drives, 1 signal, 0 warnings" in capsys.readouterr().out.replace("\n", " ")
     command(design, as_json=True)
     assert json.loads(capsys.readouterr().out)["parts_no_sensor_drives"] == 2  # the fan and the crystal
 
