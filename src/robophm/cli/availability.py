@@ -102,11 +102,8 @@ def _ahead(found: Availability) -> str:
 def _long_run(found: Availability) -> str:
     settled = found.long_run
     if settled.frequency == 0 and settled.unavailability == 0:
-        return (
-            "in the long run: unknown, as is the rate of all that can fail"
-            if found.unknown
-            else ("in the long run: never fails")
-        )
+        sure = "unknown, as is the rate of all that can fail" if found.unknown else "never fails"
+        return f"in the long run: {sure}"
     if settled.frequency == 0:
         return "in the long run: stays failed, by parts that are not repaired"
     most = "at most " if found.unknown else ""

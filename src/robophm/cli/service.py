@@ -15,9 +15,7 @@ from robophm.health.service import ServiceNote, services_of
 from robophm.monitoring.service_notes import WAIT, note_service
 from robophm.monitoring.stored_past import stored_past
 from robophm.report.words import number_text, past_moment_text
-
-KINDS = {"struck out": "had not failed, which is struck out,"}
-"""Words for kinds of services that are no words by themselves."""
+from robophm.stores.events import WORDS
 
 
 def command(
@@ -85,4 +83,4 @@ def command(
         if one.kind not in ("failed", "struck out"):
             done = f"{' after it failed' if one.failed else ''}{done}; goes on at {number_text(one.after[1])} {unit}"
         who = f"{f', by {one.by}' if one.by else ''}{f': {one.note}' if one.note else ''}"
-        out.print(f"{when}: {path} {KINDS.get(one.kind, one.kind)}{done}{who}", markup=False, soft_wrap=True)
+        out.print(f"{when}: {path} {WORDS.get(one.kind, one.kind)}{done}{who}", markup=False, soft_wrap=True)

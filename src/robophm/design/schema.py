@@ -35,7 +35,7 @@ class SignalBinding(Strict):
     range: tuple[float, float] | None = Field(None, description="what is outside, in that unit, is no sample")
     rated: float | None = Field(None, gt=0, description="what counts as 1, in that unit; of an input such as load")
     offset: Written | None = Field(None, description="added to the value, e.g. 15 K for a part hotter than its module")
-    max_age: quantity_in("s", "how long the last value holds", "5 s", 0.0, LONGEST) = 5.0  # type: ignore[valid-type]
+    max_age: Annotated[float, quantity_in("s", "how long the last value holds", "5 s", 0.0, LONGEST)] = 5.0
     stale: Literal["conservative", "nominal", "hold", "worst"] = Field(
         "conservative", description="what applies when there is no value"
     )
@@ -60,7 +60,7 @@ class ClockBinding(Strict):
         None, description="in place of a threshold: the value that an edge's field has then, and had not before, e.g. "
         "3 of a lifecycle's goal_state.id, active",
     )  # fmt: skip
-    max_age: quantity_in("s", "how long the last speed holds", "5 s", 0.0, LONGEST) = 5.0  # type: ignore[valid-type]
+    max_age: Annotated[float, quantity_in("s", "how long the last speed holds", "5 s", 0.0, LONGEST)] = 5.0
 
     @model_validator(mode="after")
     def _one_kind(self) -> ClockBinding:
@@ -173,7 +173,7 @@ class WearGauge(Strict):
     topic: str = Field(min_length=1)
     field: str = Field(min_length=1, description="path of the number in the message")
     range: tuple[float, float] | None = Field(None, description="as recorded; of a load: within which samples count")
-    max_age: quantity_in("s", "how long the last value holds", "5 s", 0.0, LONGEST) = 5.0  # type: ignore[valid-type]
+    max_age: Annotated[float, quantity_in("s", "how long the last value holds", "5 s", 0.0, LONGEST)] = 5.0
 
     @model_validator(mode="after")
     def _range_ascends(self) -> WearGauge:
@@ -192,7 +192,7 @@ class Wear(Strict):
     reading: Literal["mean", "rms", "kurtosis", "highest", "lowest"] = Field(
         "mean", description="what is made of the samples of each stretch of time; rms is about their mean"
     )
-    every: quantity_in("s", "how long such a stretch is", "1 h", 1.0, LONGEST) = 3600.0  # type: ignore[valid-type]
+    every: Annotated[float, quantity_in("s", "how long such a stretch is", "1 h", 1.0, LONGEST)] = 3600.0
     ambient: WearGauge | None = Field(None, description="is taken off each sample, e.g. the temperature of the air")
     load: WearGauge | None = Field(None, description="samples count only while this is within its range")
     threshold: Written = Field(description="at which the part is worn out, e.g. 6 A; a signal that falls falls to it")
@@ -284,7 +284,9 @@ Quality = Annotated[
 PartName = Annotated[str, AfterValidator(_in_library), WithJsonSchema({"type": "string", "examples": ["lidar_2d"]})]
 """The name of an entry of the library of parts."""
 
-Duty = share_in("share at which parts age in a leg that does not need them", "30 %", zero=True)
+Duty = Annotated[
+    float, Field(ge=0, le=1), share_in("share at which parts age in a leg that does not need them", "30 %", zero=True)
+]
 
 
 class Component(FailureMode):
@@ -297,7 +299,7 @@ class Component(FailureMode):
     environment: Environment | None = None
     quality: Quality | None = None
     monitored: bool = Field(False, description="known to work until reported failed")
-    duty: Duty | None = None  # type: ignore[valid-type]
+    duty: Duty | None = None
     repair: Repair | None = None
     depends_on: DependsOn | None = Field(None, description="works only while this does: a part, a block, or a list")
     signals: dict[str, SignalBinding] = Field(default_factory=dict)
@@ -346,7 +348,7 @@ class _Group(Strict):
     clocks: dict[Clock, ClockBinding] = Field(default_factory=dict)
     acceleration: Accelerations | None = Field(None, description="of the constant-rate parts below")
     uncertainty: Uncertainty | None = Field(None, description="of the rates below")
-    duty: Duty | None = None  # type: ignore[valid-type]
+    duty: Duty | None = None
     repair: Repair | None = None
     modules: dict[Name, Module] = Field(default_factory=dict)
     components: dict[Name, Component] = Field(default_factory=dict)
@@ -375,10 +377,12 @@ class Usage(Strict):
 
     model_config = ConfigDict(json_schema_extra=_or_operating_alone)
 
-    operating: share_in("share of calendar time that the robot works", "8 h/day", zero=False) = 1.0  # type: ignore[valid-type]
-    kilometres: quantity_in("km/h", "driven per operating hour", "1.2 km/h", 0.0) | None = None  # type: ignore[valid-type]
-    cycles: quantity_in("cycle/h", "cycles per operating hour", "40 cycle/h", 0.0) | None = None  # type: ignore[valid-type]
-    starts: quantity_in("start/h", "starts per operating hour", "0.1 start/h", 0.0) | None = None  # type: ignore[valid-type]
+    operating: Annotated[
+        float, Field(gt=0, le=1), share_in("share of calendar time that the robot works", "8 h/day", zero=False)
+    ] = 1.0
+    kilometres: Annotated[float, quantity_in("km/h", "driven per operating hour", "1.2 km/h", 0.0)] | None = None
+    cycles: Annotated[float, quantity_in("cycle/h", "cycles per operating hour", "40 cycle/h", 0.0)] | None = None
+    starts: Annotated[float, quantity_in("start/h", "starts per operating hour", "0.1 start/h", 0.0)] | None = None
 
     @model_validator(mode="before")
     @classmethod
@@ -393,7 +397,7 @@ class RobotFile(_Group):
     name: Name
     usage: Usage = Field(default_factory=Usage)
     powered: PowerBinding | None = None
-    max_gap: quantity_in("s", "after so long a silence the robot is off", "60 s", 0.0, LONGEST) = 60.0  # type: ignore[valid-type]
+    max_gap: Annotated[float, quantity_in("s", "after so long a silence the robot is off", "60 s", 0.0, LONGEST)] = 60.0
     task: AnyTask | None = None
     functions: dict[Name, Diagram] = Field(default_factory=dict, description="what the robot can do, each a diagram")
     thresholds: Thresholds = Field(default_factory=Thresholds)

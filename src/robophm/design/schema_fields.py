@@ -3,9 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    WithJsonSchema,
+)
 
 from robophm.core.errors import UnitError
 from robophm.core.units import quantity
@@ -14,10 +23,25 @@ LONGEST = 1e9
 """Seconds, some thirty years: what a time in a design may be, so that its nanoseconds can be counted."""
 
 
+class Reading:
+    """A companion of a type in ``Annotated``: how a written value is read, and the JSON Schema of it."""
+
+    def __init__(self, read: Callable[[object], object], schema: dict[str, Any]) -> None:
+        self._before, self._said = BeforeValidator(read), WithJsonSchema(schema)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> Any:
+        """Return the schema by which pydantic validates."""
+        return self._before.__get_pydantic_core_schema__(source, handler)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: GetJsonSchemaHandler) -> Any:
+        """Return what JSON Schema says."""
+        return self._said.__get_pydantic_json_schema__(schema, handler)
+
+
 def quantity_in(
     unit: str, description: str, example: str, low: float = float("-inf"), high: float = float("inf")
-) -> Any:
-    """Return the type of a field that takes a written quantity and holds the number in ``unit``."""
+) -> Reading:
+    """Return how a number in ``unit`` is read from a written quantity, to stand beside ``float``."""
 
     def read(value: object) -> float:
         try:
@@ -31,15 +55,12 @@ def quantity_in(
         return number
 
     kind = {"type": ["string", "number"] if not unit else "string"}
-    return Annotated[
-        float,
-        BeforeValidator(read),
-        WithJsonSchema({**kind, "description": description, "examples": [example]}),
-    ]
+    return Reading(read, {**kind, "description": description, "examples": [example]})
 
 
-def share_in(description: str, example: str, *, zero: bool) -> Any:
-    """A field that takes a share as a number, a percentage or hours of a day, and holds it from 0 (or above) to 1."""
+def share_in(description: str, example: str, *, zero: bool) -> Reading:
+    """Return how a share is read from a number, a percentage or hours of a day, to stand beside ``float``: from 0, or
+    above it unless ``zero``, to 1."""
 
     def read(value: object) -> object:
         try:
@@ -47,11 +68,9 @@ def share_in(description: str, example: str, *, zero: bool) -> Any:
         except UnitError as error:
             raise ValueError(f"{error}; expected a share, e.g. {example}") from None
 
-    bounds = Field(ge=0, le=1) if zero else Field(gt=0, le=1)
     low = {"minimum": 0} if zero else {"exclusiveMinimum": 0}
     kinds = [{"type": "number", **low, "maximum": 1}, {"type": "string"}]
-    said = {"anyOf": kinds, "description": description, "examples": [example]}
-    return Annotated[float, bounds, BeforeValidator(read), WithJsonSchema(said)]
+    return Reading(read, {"anyOf": kinds, "description": description, "examples": [example]})
 
 
 def _mean_repair(value: object) -> object:

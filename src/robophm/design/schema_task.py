@@ -12,9 +12,11 @@ from robophm.design.schema_fields import Name, Strict, Written, quantity_in
 class Leg(Strict):
     """A part of a task: two of distance, speed and duration, or a duration alone."""
 
-    distance: quantity_in("m", "to drive", "250 m", 0.0) | None = None  # type: ignore[valid-type]
-    speed: quantity_in("m/s", "while driving", "0.3 m/s", 0.0) | None = None  # type: ignore[valid-type]
-    duration: quantity_in("h", "instead of distance and speed, or with a distance", "20 min", 0.0) | None = None  # type: ignore[valid-type]
+    distance: Annotated[float, quantity_in("m", "to drive", "250 m", 0.0)] | None = None
+    speed: Annotated[float, quantity_in("m/s", "while driving", "0.3 m/s", 0.0)] | None = None
+    duration: (
+        Annotated[float, quantity_in("h", "instead of distance and speed, or with a distance", "20 min", 0.0)] | None
+    ) = None
     cycles: Annotated[float, Field(ge=0, description="in this leg; default by the usage per hour")] | None = None
     starts: Annotated[float, Field(ge=0, description="in this leg; default by the usage per hour")] | None = None
     functions: list[Name] = Field(default_factory=list, description="what must work; default the whole robot")
@@ -58,4 +60,4 @@ class TaskFile(Strict):
     schema_version: Literal[1]
     tasks: list[AnyTask] = Field(min_length=1, max_length=100_000)
     knowledge: Knowledge = Field(default_factory=Knowledge)
-    every: quantity_in("h", "the list is begun anew so often", "8 h", 0.0) | None = None  # type: ignore[valid-type]
+    every: Annotated[float, quantity_in("h", "the list is begun anew so often", "8 h", 0.0)] | None = None

@@ -21,7 +21,9 @@ class _Level(Strict):
 
     model_config = ConfigDict(json_schema_extra=_or_limit_alone)
 
-    delay: quantity_in("s", "how long it must last before there is an alarm", "10 s", 0.0, LONGEST) = 0.0  # type: ignore[valid-type]
+    delay: Annotated[
+        float, quantity_in("s", "how long it must last before there is an alarm", "10 s", 0.0, LONGEST)
+    ] = 0.0
 
     @model_validator(mode="before")
     @classmethod
@@ -32,8 +34,10 @@ class _Level(Strict):
 class RateLevel(_Level):
     """A hazard rate that is too high."""
 
-    limit: quantity_in("1/h", "at most", "1000 FPMH", 0.0)  # type: ignore[valid-type]
-    clear: quantity_in("1/h", "at which an alarm ends; default the limit", "900 FPMH", 0.0) | None = None  # type: ignore[valid-type]
+    limit: Annotated[float, quantity_in("1/h", "at most", "1000 FPMH", 0.0)]
+    clear: Annotated[float, quantity_in("1/h", "at which an alarm ends; default the limit", "900 FPMH", 0.0)] | None = (
+        None
+    )
 
 
 class ShareLevel(_Level):
@@ -46,8 +50,8 @@ class ShareLevel(_Level):
 class LifeLevel(_Level):
     """A remaining life that is too short."""
 
-    limit: quantity_in("h", "median, at least", "500 h", 0.0)  # type: ignore[valid-type]
-    clear: quantity_in("h", "at which an alarm ends; default the limit", "600 h", 0.0) | None = None  # type: ignore[valid-type]
+    limit: Annotated[float, quantity_in("h", "median, at least", "500 h", 0.0)]
+    clear: Annotated[float, quantity_in("h", "at which an alarm ends; default the limit", "600 h", 0.0)] | None = None
 
 
 class SignalLevel(_Level):

@@ -14,7 +14,9 @@ MOST_TELLERS = 20
 _Node = Annotated[str, Field(min_length=1, max_length=200, pattern=r"^/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*$")]
 _Values = Annotated[list[float], Field(min_length=1, max_length=100)]
 
-_Silence = quantity_in("s", "in place of values: so long a silence of it is a failure", "10 s", 1.0, LONGEST)
+_Silence = Annotated[
+    float, quantity_in("s", "in place of values: so long a silence of it is a failure", "10 s", 1.0, LONGEST)
+]
 
 
 class ToldFailure(Strict):
@@ -32,7 +34,7 @@ class ToldFailure(Strict):
     topic: str | None = Field(None, min_length=1, description="of any other signal, e.g. /lidar/status")
     field: str | None = Field(None, min_length=1, description="path of the number in its message")
     values: _Values | None = Field(None, description="of that signal, that are a failure")
-    silent: _Silence | None = None  # type: ignore[valid-type]
+    silent: _Silence | None = None
     works: _Values | None = Field(None, description="of that signal, that say that the part works again")
 
     @model_validator(mode="after")

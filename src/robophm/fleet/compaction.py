@@ -111,7 +111,7 @@ def _join(folder: Path, month: str, days: Sequence[Path]) -> int:
     size = 0
     for design in sorted({design for day in days for design in designs_in(day)}):
         place = made / design
-        place.mkdir(parents=True)
+        place.mkdir()
         told = [path for day in days for path in files_in(day) if path.parent.name == design]
         count = _write(told, place)
         size += sum(path.stat().st_size for path in place.iterdir())

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from robophm.fleet.history_files import AT_ONCE
 from robophm.fleet.kept_days import AHEAD, Reports, kept_reports
 from robophm.fleet.store import FleetStore
 from robophm.stores.figures import FigureSeries
-
-AT_ONCE = 20_000
-"""Reports that are asked of the store at a time."""
 
 
 class RobotHistory(NamedTuple):
@@ -38,30 +37,33 @@ def history(
     RobophmError.
     """
     number = store.number_of(robot)
+    window = number, -(2**63) if start is None else start, 2**63 - 1 if end is None else end
+    if days is None:
+        return _history(store, window, points, list)
     while True:
-        left = _left(store, number) if days else None
-        found = _history(store, robot, number, start, end, points, days)
-        if not days or _left(store, number) == left:
+        left = _left(store, number)
+        found = _history(store, window, points, partial(kept_reports, days, robot, *left))
+        if _left(store, number) == left:
             return found
         # Reports left the store for the folder meanwhile: they may have been read in both.
 
 
 def _history(
-    store: FleetStore, robot: str, number: int, start: int | None, end: int | None, points: int, days: Path | None
+    store: FleetStore, window: tuple[int, int, int], points: int, moved: Callable[[], list[Reports]]
 ) -> RobotHistory:
-    window = number, -(2**63) if start is None else start, 2**63 - 1 if end is None else end
+    """The history of a robot's number in a window of time; ``moved`` reads what has left the store."""
+    number = window[0]
     ((there, ahead),) = store.rows(
         f"SELECT count(*), coalesce(sum(CASE WHEN time > received + {AHEAD} THEN 1 ELSE 0 END), 0) FROM report "
         "WHERE robot = ?", (number,),
     )  # fmt: skip
     elsewhere = sum(came for (came,) in store.rows("SELECT reports FROM epoch WHERE robot = ?", (number,))) - there
     told = [*_of_store(store, window)]
-    if days:
-        for one in _moved(store, robot, number, days):
-            believed = one.time <= one.received + AHEAD
-            elsewhere -= len(one.time)
-            ahead += int((~believed).sum())
-            told.append(one.where(believed & (one.time >= window[1]) & (one.time < window[2])))
+    for one in moved():
+        believed = one.time <= one.received + AHEAD
+        elsewhere -= len(one.time)
+        ahead += int((~believed).sum())
+        told.append(one.where(believed & (one.time >= window[1]) & (one.time < window[2])))
     return RobotHistory(_points(Reports.together(told), points), int(ahead), elsewhere)
 
 
@@ -73,11 +75,6 @@ def _left(store: FleetStore, number: int) -> tuple[dict[int, int], set[tuple[int
         "WHERE report.robot = ? AND seq <= moved", (number,),
     )  # fmt: skip
     return last, {(epoch, seq) for epoch, seq in again}
-
-
-def _moved(store: FleetStore, robot: str, number: int, folder: Path) -> list[Reports]:
-    """The reports of a robot that are in a folder of days alone."""
-    return kept_reports(folder, robot, *_left(store, number))
 
 
 def _of_store(store: FleetStore, window: tuple[int, int, int]) -> Iterator[Reports]:

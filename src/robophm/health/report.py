@@ -33,6 +33,9 @@ from robophm.health.worn import SeenWear
 SCHEMA_VERSION = 1
 """The version of a health report as JSON."""
 
+CHANCE = 0.9
+"""The chance to still work for which a time is stated, unless the design states one (``thresholds.survival``)."""
+
 Array = npt.NDArray[np.float64]
 VIEWS: tuple[View, ...] = ("nominal", "sensor_based")
 
@@ -114,11 +117,27 @@ class HealthReport:
         life = self.system.sensor_based.remaining_life or self.remaining_life()
         return failures_to_come(self.outlooks, self.design.diagram, life.median, self.horizon)
 
-    @cached_property
+    @property
+    def chance(self) -> float:
+        """Return the chance to still work for which a time is stated: the design's ``thresholds.survival``, or 0.9."""
+        return self.design.thresholds.survival or CHANCE
+
+    @property
+    def works_for_with_rates_unsure(self) -> float | None:
+        """Return when that chance is reached [h], rates as uncertain as stated; None where all are exact."""
+        return self._with_rates_unsure[0] if self._with_rates_unsure else None
+
+    @property
     def life_with_rates_unsure(self) -> Interval | None:
         """The robot's remaining life [h] with rates as uncertain as the design states; None where all are exact."""
-        found = life_with_rates_unsure(self.outlooks["sensor_based"], self.design.diagram, QUANTILES)
-        return None if found is None else Interval(*found.tolist())
+        return Interval(*self._with_rates_unsure[1:]) if self._with_rates_unsure else None
+
+    @cached_property
+    def _with_rates_unsure(self) -> list[float] | None:
+        """When survival falls to the stated chance, and to those of an interval."""
+        levels = np.append(self.chance, QUANTILES)
+        found = life_with_rates_unsure(self.outlooks["sensor_based"], self.design.diagram, levels)
+        return None if found is None else found.tolist()
 
     @cached_property
     def limited_values(self) -> tuple[LimitedValue, ...]:

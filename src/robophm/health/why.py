@@ -15,10 +15,6 @@ from robophm.health.failures_to_come import Contribution
 from robophm.health.prognosis import Outlook
 from robophm.health.report import HealthReport
 from robophm.health.stress_groups import channel_key
-from robophm.health.uncertainty import life_with_rates_unsure
-
-CHANCE = 0.9
-"""The chance to still work for which a time is stated, unless the design states one (``thresholds.survival``)."""
 
 MOST_PARTS = 3
 ENOUGH = 0.5
@@ -106,13 +102,13 @@ def explain(report: HealthReport) -> Explanation:
     outlook = report.outlooks["sensor_based"]
     if outlook.plan:
         outlook = replace(outlook, future=outlook.plan, plan=None)
-    chance = report.design.thresholds.survival or CHANCE
     life = report.system.sensor_based.remaining_life or report.remaining_life()
     found = report.failures_to_come
-    works_for, at_stated_rates = _works_for(outlook, chance) if life.median > 0 else (0.0, 0.0)
+    at_stated_rates = _works_for(outlook, report.chance) if life.median > 0 else 0.0
+    unsure = report.works_for_with_rates_unsure if life.median > 0 else None
     return Explanation(
-        chance,
-        works_for,
+        report.chance,
+        at_stated_rates if unsure is None else unsure,
         at_stated_rates,
         life.median,
         found.horizon,
@@ -120,12 +116,9 @@ def explain(report: HealthReport) -> Explanation:
     )
 
 
-def _works_for(outlook: Outlook, chance: float) -> tuple[float, float]:
-    """How long with rates as uncertain as stated, and if they were exact."""
-    diagram, survives = outlook.plant.robot.diagram, np.array([chance])
-    stated = time_at(outlook.curve(diagram), 1 - survives, survives)
-    unsure = life_with_rates_unsure(outlook, diagram, survives)
-    return float((stated if unsure is None else unsure)[0]), float(stated[0])
+def _works_for(outlook: Outlook, chance: float) -> float:
+    survives = np.array([chance])
+    return float(time_at(outlook.curve(outlook.plant.robot.diagram), 1 - survives, survives)[0])
 
 
 def _first(contributions: Sequence[Contribution]) -> Iterator[Contribution]:

@@ -14,7 +14,7 @@ from robophm.blocks.fault_tree import FaultTree
 from robophm.blocks.graph import ALL, ANY, NOT, ODD, UNIT
 from robophm.blocks.listed_sets import ListedSets
 from robophm.blocks.top_event import Answer, TopEvent
-from robophm.design.importers.open_psa import Model, load, load_all
+from robophm.design.importers.open_psa import LACKS_A_QUESTION, Model, load, load_all
 from robophm.health.fault_tree import fault_tree
 from robophm.health.prognosis import Outlook
 from robophm.health.unknown_rates import PartsOfUnknownRate
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 BESIDE_BOUNDS = 1_000_000
 """Samples of an estimate beside bounds: a second or two."""
 
-NOTHING_ASKED = "defines no gate, and no initiating event with an event tree: there is nothing to compute"
+NOTHING_ASKED = f"{LACKS_A_QUESTION}: there is nothing to compute"
 """A note on a model in which nothing is wrong and nothing asked."""
 
 EXCHANGED = "Substitutions exchange events in its minimal cut sets: this is the tree of those that are left."

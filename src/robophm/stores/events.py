@@ -28,7 +28,7 @@ _STALE = "stale "
 _SERVICES: dict[str, Kind] = {"failed": "failure", "replaced": "replacement", "repaired": "repair",
                               "struck out": "failure struck out"}  # fmt: skip
 
-_KINDS = {"struck out": "had not failed, struck out"}
+WORDS = {"struck out": "had not failed, struck out"}
 """Words for kinds of services that are none by themselves."""
 
 
@@ -77,7 +77,7 @@ def events_of(ledger: Mapping[str, Any]) -> Iterator[Event]:
         after = " after it had failed" if failed and done != "failure" else ""
         by = f"{', told' * (done == 'failure')} by {said[0]}" if said[0] else ""
         note = f": {said[1]}" if said[1] else ""
-        yield Event(time, done, mode, f"{_named(mode)} {_KINDS.get(kind, kind)}{after}{by}{note}")
+        yield Event(time, done, mode, f"{_named(mode)} {WORDS.get(kind, kind)}{after}{by}{note}")
     for time, part, kind, before in ledger.get("changes", ()):
         yield Event(time, "design change", part, f"{part}: {kind}{f', before {before}' if before else ''}")
 

@@ -20,7 +20,7 @@ from robophm.health.outlooks import View
 from robophm.health.report import VIEWS, task_to_json
 from robophm.health.unknown_rates import MARKS, PartsOfUnknownRate, marked
 from robophm.monitoring.task_history import TaskRecord, judge_tasks, too_unlikely
-from robophm.report.words import duration_text, failure_text, number_text, percent_text
+from robophm.report.words import duration_text, failure_text, number_text, percent_text, task_text
 from robophm.transports.recordings.recording import Recording
 from robophm.transports.tasks import told_by
 
@@ -115,4 +115,4 @@ def _print_records(robot: Robot, records: Sequence[TaskRecord]) -> None:
     done = [one.done for one in records if one.done]
     if done:
         whole = Task.joined(done)
-        out.print(f"Done: {len(done)} tasks, {number_text(whole.distance)} m in {duration_text(whole.duration)}")
+        out.print(f"Done: {len(done)} tasks, {task_text(whole.distance, whole.duration)}")

@@ -89,18 +89,20 @@ class ParameterServices:
 
     def values(self, request: Any) -> Fields:
         """Return the value of each name; of one that is none, that it is not set."""
-        found = (self._parameters.get(name) for name in request.names[:MOST_ASKED])
-        return {"values": [one.fields() if one else {"type": NOT_SET} for one in found]}
+        return {"values": [one.fields() if one else {"type": NOT_SET} for _, one in self._asked(request)]}
 
     def types(self, request: Any) -> Fields:
         """Return the type of each name; of one that is none, that it is not set."""
-        found = (self._parameters.get(name) for name in request.names[:MOST_ASKED])
-        return {"types": [one.type if one else NOT_SET for one in found]}
+        return {"types": [one.type if one else NOT_SET for _, one in self._asked(request)]}
 
     def described(self, request: Any) -> Fields:
         """Return what each name means and which values it may have."""
-        found = ((name, self._parameters.get(name)) for name in request.names[:MOST_ASKED])
-        return {"descriptors": [one.described() if one else {"name": name, "type": NOT_SET} for name, one in found]}
+        return {"descriptors": [one.described() if one else {"name": name, "type": NOT_SET}
+                                for name, one in self._asked(request)]}  # fmt: skip
+
+    def _asked(self, request: Any) -> list[tuple[str, Parameter | None]]:
+        """The names that are asked for, and their parameters; None of a name that is none."""
+        return [(name, self._parameters.get(name)) for name in request.names[:MOST_ASKED]]
 
     def set(self, request: Any) -> Fields:
         """Set each by itself; what is refused says why, and changes nothing."""

@@ -17,7 +17,7 @@ from .fuzz.mutate import Mutant
 from .fuzz.pool import Result
 from .fuzz.seeds import TOPICS, seeds, truth
 
-FILES, LOGS, DAMAGED_MESSAGES = 240, 120, 40
+FILES, LOGS, DAMAGED_MESSAGES = 400, 200, 40
 MEMORY = 512 << 20
 
 
@@ -30,7 +30,7 @@ def test_whatever_is_damaged(format_: str, monkeypatch: pytest.MonkeyPatch) -> N
     assert findings == []
     assert sum(tally.outcomes.values()) == FILES
     possible = OUTCOMES[:2] if format_ == "wal" else OUTCOMES[:4]  # what a log holds has checksums, and is not needed
-    assert all(tally.outcomes[outcome] for outcome in possible), tally.outcomes
+    assert all(tally.outcomes[outcome] > 10 for outcome in possible), tally.outcomes
     assert sum(count for what, count in tally.peers.items() if what.endswith("agrees")) > 10
     assert tally.memory < MEMORY
 
@@ -61,7 +61,7 @@ def test_whatever_is_damaged_of_logs_and_tables(format_: str, monkeypatch: pytes
     tally = tallied({format_: LOGS}, seed=1, jobs=1, found=findings.append)[format_]
     assert findings == []
     assert sum(tally.outcomes.values()) == LOGS
-    assert sum(tally.outcomes[outcome] for outcome in OUTCOMES[:4]) >= 2, tally.outcomes
+    assert sum(tally.outcomes[outcome] > 10 for outcome in OUTCOMES[:4]) >= 2, tally.outcomes
     assert tally.memory < MEMORY
 
 

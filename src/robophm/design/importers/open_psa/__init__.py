@@ -17,7 +17,10 @@ from robophm.design.importers.open_psa.model import Model
 
 MOST_NAMED = 5
 
-__all__ = ["Model", "load", "load_all"]
+LACKS_A_QUESTION = "defines no gate, and no initiating event with an event tree"
+"""The words for a model that answers nothing, behind its name."""
+
+__all__ = ["LACKS_A_QUESTION", "Model", "load", "load_all"]
 
 
 def load_all(path: Path | Sequence[Path], time: float | None = None, top: str | None = None) -> list[Model]:
@@ -40,7 +43,7 @@ def load(path: Path | Sequence[Path], time: float | None = None, top: str | None
     definitions = Definitions([path] if isinstance(path, Path) else list(path), time)
     questions = definitions.questions(top)
     if not questions:
-        raise DesignError(f"{definitions.where}: defines no gate, and no initiating event with an event tree")
+        raise DesignError(f"{definitions.where}: {LACKS_A_QUESTION}")
     if len(questions) > 1:
         names = [f"'{question.name}'{question.where}" for question in questions]
         named = ", ".join(names[:MOST_NAMED]) + (f" and {len(names) - MOST_NAMED} more" if names[MOST_NAMED:] else "")

@@ -115,10 +115,9 @@ class Definitions:
         """Return what the model answers: sequences of event trees, then top events, in each phase; or the gate or the
         sequences of the name that is wanted."""
         found = [question for phase in self._phases for question in self._in_phase(phase, wanted)]
-        if not found:
+        if not found and wanted is not None:
             gates = [one.name for one in self._events if one.kind == "gate"]
-            if wanted is not None:
-                raise DesignError(f"{self.where}: no gate or sequence '{wanted}'{nearest(wanted, gates)}")
+            raise DesignError(f"{self.where}: no gate or sequence '{wanted}'{nearest(wanted, gates)}")
         return found
 
     def check(self) -> None:

@@ -71,13 +71,12 @@ def _lognormal_quantile(level: float, *said: float) -> float:
 
 
 def _bins(said: Sequence[float]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Bounds and shares of the bins of a histogram."""
-    bounds, weights = np.array([said[0], *said[1::2]]), np.array(said[2::2])
-    return bounds, weights / weights.sum()
+    """Bounds and weights of the bins of a histogram."""
+    return np.array([said[0], *said[1::2]]), np.array(said[2::2])
 
 
 def _is_histogram(*said: float) -> bool:
-    bounds, weights = np.array([said[0], *said[1::2]]), np.array(said[2::2])
+    bounds, weights = _bins(said)
     return bool(
         len(weights) == len(bounds) - 1 and (np.diff(bounds) > 0).all() and (weights >= 0).all() and weights.sum()
     )
@@ -91,13 +90,13 @@ def _is_lognormal(*said: float) -> bool:
 
 
 def _histogram_mean(*said: float) -> float:
-    bounds, shares = _bins(said)
-    return float(((bounds[:-1] + bounds[1:]) / 2 * shares).sum())
+    bounds, weights = _bins(said)
+    return float(((bounds[:-1] + bounds[1:]) / 2 * (weights / weights.sum())).sum())
 
 
 def _histogram_quantile(level: float, *said: float) -> float:
-    bounds, shares = _bins(said)
-    return float(np.interp(level, [0.0, *np.cumsum(shares)], bounds))
+    bounds, weights = _bins(said)
+    return float(np.interp(level, [0.0, *np.cumsum(weights / weights.sum())], bounds))
 
 
 DEVIATES: Mapping[str, Deviate] = {
