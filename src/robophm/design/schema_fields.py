@@ -23,7 +23,7 @@ LONGEST = 1e9
 """Seconds, some thirty years: what a time in a design may be, so that its nanoseconds can be counted."""
 
 
-class Reading:
+class ReadAs:
     """A companion of a type in ``Annotated``: how a written value is read, and the JSON Schema of it."""
 
     def __init__(self, read: Callable[[object], object], schema: dict[str, Any]) -> None:
@@ -40,7 +40,7 @@ class Reading:
 
 def quantity_in(
     unit: str, description: str, example: str, low: float = float("-inf"), high: float = float("inf")
-) -> Reading:
+) -> ReadAs:
     """Return how a number in ``unit`` is read from a written quantity, to stand beside ``float``."""
 
     def read(value: object) -> float:
@@ -55,10 +55,10 @@ def quantity_in(
         return number
 
     kind = {"type": ["string", "number"] if not unit else "string"}
-    return Reading(read, {**kind, "description": description, "examples": [example]})
+    return ReadAs(read, {**kind, "description": description, "examples": [example]})
 
 
-def share_in(description: str, example: str, *, zero: bool) -> Reading:
+def share_in(description: str, example: str, *, zero: bool) -> ReadAs:
     """Return how a share is read from a number, a percentage or hours of a day, to stand beside ``float``: from 0, or
     above it unless ``zero``, to 1."""
 
@@ -70,7 +70,7 @@ def share_in(description: str, example: str, *, zero: bool) -> Reading:
 
     low = {"minimum": 0} if zero else {"exclusiveMinimum": 0}
     kinds = [{"type": "number", **low, "maximum": 1}, {"type": "string"}]
-    return Reading(read, {"anyOf": kinds, "description": description, "examples": [example]})
+    return ReadAs(read, {"anyOf": kinds, "description": description, "examples": [example]})
 
 
 def _mean_repair(value: object) -> object:

@@ -76,7 +76,7 @@ def test_errors_and_transitions_are_failures_and_starts(node: Peer, live: LiveSo
     ]
     assert learned(tmp_path) == {"lidar": 2, "driver": 0}
     done = run("service", "lidar", "--store", "past.db", "--struck-out", "--by", "Ann", folder=tmp_path)
-    assert "lidar had not failed, which is struck out" in done
+    assert "lidar had not failed, struck out, at an effective age" in done
     assert learned(tmp_path) == {"lidar": 1, "driver": 0}
 
 
